@@ -1,0 +1,96 @@
+"""The errors roundelay raises for bad input, as one tree.
+
+::
+
+    RoundelayError
+    ├── FormatError        a file that is not what its format says (path, line, column)
+    ├── SkeletonMismatch   skeletons or joints that do not fit together
+    ├── TooShort           fewer frames than the method needs
+    ├── NoPeriod           no periodic motion found (carries the evidence)
+    ├── LiftError          a cocycle mod p that is no integer cocycle
+    ├── TooLarge           a problem that would not fit in memory
+    └── Cancelled          the caller's progress callback said stop
+
+Wrong arguments (a negative frame rate, an unknown option) raise ``ValueError`` or
+``TypeError`` as everywhere in Python.
+"""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import Any
+
+__all__ = [
+    "Cancelled",
+    "FormatError",
+    "LiftError",
+    "NoPeriod",
+    "RoundelayError",
+    "SkeletonMismatch",
+    "TooLarge",
+    "TooShort",
+]
+
+
+class RoundelayError(Exception):
+    """Base of every error that names a fault of the input rather than of the call."""
+
+
+class FormatError(RoundelayError):
+    """Report a file that is not what its format says.
+
+    Parameters
+    ----------
+    message : str
+        What was expected and what was found.
+    path : path-like, optional
+        The file.
+    line, column : int, optional
+        Where, counted from 1.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        path: str | PathLike[str] | None = None,
+        line: int | None = None,
+        column: int | None = None,
+    ) -> None:
+        self.message, self.path, self.line, self.column = message, path, line, column
+        place = [str(part) for part in (path, line, column) if part is not None]
+        super().__init__(":".join(place) + ": " + message if place else message)
+
+
+class SkeletonMismatch(RoundelayError):
+    """Report skeletons or joints that do not fit together."""
+
+
+class TooShort(RoundelayError):
+    """Report a capture with fewer frames than the method needs."""
+
+
+class NoPeriod(RoundelayError):
+    """Report that no periodic motion was found.
+
+    Attributes
+    ----------
+    evidence : object
+        What was measured: the barcode and figures of the best candidate, or None.
+    """
+
+    def __init__(self, message: str, evidence: Any = None) -> None:
+        super().__init__(message)
+        self.evidence = evidence
+
+
+class LiftError(RoundelayError):
+    """Report a cocycle mod p that could not be lifted to the integers, and what was tried."""
+
+
+class TooLarge(RoundelayError):
+    """Report a problem whose estimated memory exceeds what is there or allowed."""
+
+
+class Cancelled(RoundelayError):
+    """Report that the progress callback returned False."""

@@ -1,0 +1,1 @@
+"""Geometry of articulated skeletons: rotations, forward kinematics, contacts."""

@@ -1,0 +1,164 @@
+"""Distance matrices: their checks, Euclidean distances, and delay embeddings without building them.
+
+Inside the package a distance matrix is float32; its upper triangle is the one that counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import accumulate, pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from roundelay.errors import TooShort
+from roundelay.topology.kernel import engine
+from roundelay.topology.kernel.reduction import F32, F64
+
+__all__ = ["Runs", "cross_distances", "delay_distances", "pairwise_distances"]
+
+Runs = Sequence[tuple[int, int]]
+"""Half-open ranges [start, stop) of consecutive frames; no motion is counted between two."""
+
+FEWEST_POINTS = 4
+
+
+def pairwise_distances(points: ArrayLike) -> F32:
+    """Euclidean distances between points.
+
+    Computed by differences, so that near points lose no digits and duplicates are at 0.
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        Points, in any unit.
+
+    Returns
+    -------
+    (n, n) array of float32
+        Distances above the diagonal, 0 elsewhere.
+
+    Raises
+    ------
+    ValueError
+        If the points are not a finite (n, d) array.
+    TooShort
+        If there are fewer than 4.
+    """
+    checked = check_points(points)
+    return engine().distances((checked - checked.mean(axis=0)).astype(np.float32))
+
+
+def cross_distances(points: ArrayLike, others: ArrayLike) -> F32:
+    """Euclidean distances (m, n) from points (m, d) to others (n, d)."""
+    left, right = np.asarray(points, np.float64), np.asarray(others, np.float64)
+    if left.ndim != 2 or left.shape[1:] != right.shape[1:]:
+        raise ValueError(f"expected points (m, {right.shape[1]}), found {left.shape}")
+    centre = right.mean(axis=0)
+    return engine().distances(
+        (left - centre).astype(np.float32), (right - centre).astype(np.float32)
+    )
+
+
+def check_points(points: ArrayLike) -> F64:
+    """Return points as float64, or raise what is wrong with them."""
+    array = np.asarray(points, np.float64)
+    if array.ndim != 2 or array.shape[1] == 0:
+        raise ValueError(f"expected points (n, d), found an array of shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueError("expected finite points, found NaN or infinity")
+    _check_count(len(array))
+    return array
+
+
+def check_distances(distances: ArrayLike) -> F32:
+    """Return a distance matrix as float32, or raise what is wrong with it."""
+    array: NDArray[Any] = np.asarray(distances)
+    if array.ndim != 2 or array.shape[0] != array.shape[1]:
+        raise ValueError(f"expected distances (n, n), found an array of shape {array.shape}")
+    _check_count(len(array))
+    narrow: F32 = np.ascontiguousarray(array, np.float32)
+    _check_entries(narrow)
+    return narrow
+
+
+def _check_count(n: int) -> None:
+    if n < FEWEST_POINTS:
+        raise TooShort(f"a loop needs at least {FEWEST_POINTS} points, found {n}")
+
+
+def _check_entries(distances: F32) -> None:
+    low, high = float(distances.min()), float(distances.max())
+    if not np.isfinite([low, high]).all():
+        raise ValueError("expected finite distances, found NaN or infinity")
+    if low < 0:
+        raise ValueError(f"expected distances of at least 0, found {low:g}")
+    if distances.diagonal().any():
+        raise ValueError("expected a zero diagonal: the distance of a point from itself")
+    if not _is_symmetric(distances, 1e-5 * high):
+        raise ValueError("expected symmetric distances: d[i, j] and d[j, i] differ")
+
+
+def _is_symmetric(distances: F32, tolerance: float, block: int = 256) -> bool:
+    starts = range(0, len(distances), block)
+    return all(
+        bool(
+            (abs(distances[a : a + block, a:] - distances[a:, a : a + block].T) <= tolerance).all()
+        )
+        for a in starts
+    )
+
+
+def delay_distances(
+    d2: ArrayLike, delays: Sequence[int], runs: Runs
+) -> tuple[F32, NDArray[np.intp], Runs]:
+    """Distances of a delay embedding, from those of its frames ([C] 3.26, Perea and Harer 2015).
+
+    The embedded point of frame t is (x[t], x[t + delays[1]], ...): its squared distances are sums
+    along diagonals of the squared distances of the frames, so no embedding need be built.
+
+    Parameters
+    ----------
+    d2 : (n, n) array_like
+        Squared distances of the frames, both triangles.
+    delays : sequence of int
+        Offsets in frames, ascending from 0.
+    runs : sequence of (start, stop)
+        Runs of consecutive frames; no embedded point reaches across two.
+
+    Returns
+    -------
+    distances : (m, m) array of float32
+        Distances of the embedded points, divided by the root of the number of delays so that
+        they keep the scale of the poses.
+    frames : (m,) array of int
+        The frame at which each embedded point starts.
+    runs : list of (start, stop)
+        The runs of the embedded points.
+
+    Raises
+    ------
+    ValueError
+        If the delays do not ascend from 0.
+    TooShort
+        If fewer than 4 embedded points are left.
+    """
+    if not len(delays) or delays[0] != 0 or any(b <= a for a, b in pairwise(delays)):
+        raise ValueError(f"expected delays that ascend from 0, found {list(delays)}")
+    squares = np.asarray(d2, np.float32)
+    kept = [range(start, stop - delays[-1]) for start, stop in runs if stop - delays[-1] > start]
+    stops = list(accumulate(map(len, kept), initial=0))
+    _check_count(stops[-1])
+    total = np.zeros((stops[-1], stops[-1]), np.float32)
+    for a, rows in enumerate(kept):
+        for b, columns in enumerate(kept):
+            block = total[stops[a] : stops[a + 1], stops[b] : stops[b + 1]]
+            for delay in delays:
+                block += squares[
+                    rows.start + delay : rows.stop + delay,
+                    columns.start + delay : columns.stop + delay,
+                ]
+    np.sqrt(np.maximum(total / len(delays), 0), out=total)
+    frames = np.concatenate([np.arange(r.start, r.stop) for r in kept])
+    return total, frames, list(pairwise(stops))

@@ -11,6 +11,8 @@
     ├── TooLarge           a problem that would not fit in memory
     └── Cancelled          the caller's progress callback said stop
 
+``RoundelayWarning`` is the category of warnings: the input is used, but not all as it is.
+
 Wrong arguments (a negative frame rate, an unknown option) raise ``ValueError`` or
 ``TypeError`` as everywhere in Python.
 """
@@ -26,6 +28,7 @@ __all__ = [
     "LiftError",
     "NoPeriod",
     "RoundelayError",
+    "RoundelayWarning",
     "SkeletonMismatch",
     "TooLarge",
     "TooShort",
@@ -34,6 +37,10 @@ __all__ = [
 
 class RoundelayError(Exception):
     """Base of every error that names a fault of the input rather than of the call."""
+
+
+class RoundelayWarning(UserWarning):
+    """Say that input was used, but not all of it or not as it is."""
 
 
 class FormatError(RoundelayError):

@@ -1,0 +1,90 @@
+"""Motion capture files: one module a format, found by the file's suffix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+from roundelay.formats import amc, bvh, bvh_writer
+from roundelay.motion import Motion
+from roundelay.skeleton import Skeleton
+
+__all__ = ["read", "write"]
+
+
+@dataclass(frozen=True)
+class _Format:
+    """A format's reader and writer; the reader takes a skeleton where files lack their own."""
+
+    read: Callable[..., Motion]
+    write: Callable[[Motion, Path], None] | None
+    takes_skeleton: bool = False
+
+
+_FORMATS = {
+    ".bvh": _Format(bvh.read, bvh_writer.write),
+    ".amc": _Format(amc.read, None, takes_skeleton=True),
+}
+
+
+def read(
+    path: str | PathLike[str], *, skeleton: str | PathLike[str] | Skeleton | None = None
+) -> Motion:
+    """Read a motion capture file, in the format its suffix names.
+
+    Parameters
+    ----------
+    path : path-like
+        A ``.bvh`` or ``.amc`` file.
+    skeleton : path-like or Skeleton, optional
+        For an AMC, its ASF or a skeleton read from one; looked for beside it by default.
+
+    Returns
+    -------
+    Motion
+        Lengths in the file's unit.
+
+    Raises
+    ------
+    FormatError
+        If the file is not what its format says, with line and column.
+    ValueError
+        If the suffix is not known, or a skeleton is given for a file that holds its own.
+    OSError
+        If the file cannot be read.
+    """
+    path = Path(path)
+    known = _known(path)
+    if not known.takes_skeleton:
+        if skeleton is not None:
+            raise ValueError(f"expected no skeleton: a {path.suffix} file holds its own")
+        return known.read(path)
+    is_path = skeleton is not None and not isinstance(skeleton, Skeleton)
+    return known.read(path, Path(skeleton) if is_path else skeleton)
+
+
+def write(motion: Motion, path: str | PathLike[str]) -> None:
+    """Write a motion to a file, in the format its suffix names.
+
+    A motion read from the same format is written with that file's channels. An AMC gets its
+    ASF beside it, of the same name. The file appears whole or not at all.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is not known.
+    OSError
+        If the file cannot be written.
+    """
+    path = Path(path)
+    _known(path).write(motion, path)
+
+
+def _known(path: Path) -> _Format:
+    try:
+        return _FORMATS[path.suffix.lower()]
+    except KeyError:
+        known = ", ".join(_FORMATS)
+        raise ValueError(f"expected a file of type {known}, found {path.name!r}") from None

@@ -1,0 +1,286 @@
+"""Scanning text files strictly, with the line and column of whatever is wrong."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.errors import FormatError
+
+__all__ = [
+    "Cursor",
+    "Source",
+    "Token",
+    "lines",
+    "load",
+    "numbers",
+    "parse",
+    "rows",
+    "save",
+    "without_comments",
+]
+
+_NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_TOKEN = re.compile(rb"[{}]|[^\s{}]+")
+_WORD = re.compile(rb"\S+")
+_NUMERIC = b"0123456789+-.eE \t\r\n\v\f"
+_COMMENT = re.compile(rb"(?<![^\s])(?:#|//)[^\n]*")
+_CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
+_SHOWN = 40
+_BLOCK = 1 << 16
+_DECIMALS = 8
+
+
+@dataclass(frozen=True)
+class Source:
+    """Hold the bytes of a text file and the place they came from."""
+
+    path: Path
+    data: bytes
+
+    def error(self, message: str, at: int) -> FormatError:
+        """Return the error of something wrong at a byte offset."""
+        at = min(at, len(self.data))
+        start = self.data.rfind(b"\n", 0, at) + 1
+        column = len(self.data[start:at].decode("utf-8", "replace")) + 1
+        line = self.data.count(b"\n", 0, at) + 1
+        return FormatError(message, path=self.path, line=line, column=column)
+
+    def decode(self, start: int, stop: int) -> str:
+        """Return a piece of the file as text.
+
+        Raises
+        ------
+        FormatError
+            If it is not UTF-8.
+        """
+        try:
+            return self.data[start:stop].decode("utf-8")
+        except UnicodeDecodeError as error:
+            at = start + error.start
+            found = self.data[at]
+            raise self.error(f"expected UTF-8 text, found byte 0x{found:02x}", at) from None
+
+    @property
+    def end(self) -> int:
+        """Byte offset just after the last character that is not white space."""
+        return len(self.data.rstrip())
+
+
+@dataclass(frozen=True)
+class Token:
+    """Hold a word of the file and its byte offset."""
+
+    text: str
+    at: int
+
+
+def load(path: Path) -> Source:
+    """Read a text file: UTF-8, a byte order mark allowed; LF, CRLF or CR ends a line.
+
+    Raises
+    ------
+    FormatError
+        If it is empty, binary or in another encoding.
+    OSError
+        If it cannot be read.
+    """
+    data = path.read_bytes()
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise FormatError("expected UTF-8 text, found UTF-16", path=path, line=1, column=1)
+    source = Source(path, data.removeprefix(b"\xef\xbb\xbf"))
+    if not source.data.strip():
+        raise source.error("expected a motion capture, found an empty file", 0)
+    _refuse_binary(source)
+    if b"\n" not in source.data:
+        return Source(path, source.data.replace(b"\r", b"\n"))
+    return source
+
+
+def _refuse_binary(source: Source) -> None:
+    if len(source.data.translate(None, _CONTROL)) == len(source.data):
+        return
+    at = next(i for i, byte in enumerate(source.data) if byte in _CONTROL)
+    raise source.error(f"expected text, found byte 0x{source.data[at]:02x}", at)
+
+
+def without_comments(source: Source) -> Source:
+    """Return the file with comments (from ``#`` or ``//`` to the line's end) blanked out."""
+    if b"#" not in source.data and b"//" not in source.data:
+        return source
+    return Source(source.path, _COMMENT.sub(lambda m: b" " * len(m.group()), source.data))
+
+
+class Cursor:
+    """Walk through the words of a file; braces are words of their own."""
+
+    def __init__(self, source: Source, position: int = 0) -> None:
+        self.source = source
+        self.position = position
+
+    def next(self, expected: str) -> Token:
+        """Return the next word.
+
+        Raises
+        ------
+        FormatError
+            At the file's end, saying what was expected there.
+        """
+        match = _TOKEN.search(self.source.data, self.position)
+        if match is None:
+            raise self.source.error(
+                f"expected {expected}, found the end of the file", self.source.end
+            )
+        self.position = match.end()
+        return Token(self.source.decode(*match.span()), match.start())
+
+    def keyword(self, *words: str) -> Token:
+        """Return the next word, one of some words in any case.
+
+        Raises
+        ------
+        FormatError
+            If it is another.
+        """
+        expected = " or ".join(words)
+        token = self.next(expected)
+        if token.text.lower() not in {word.lower() for word in words}:
+            raise self.found(expected, token)
+        return token
+
+    def number(self, expected: str) -> float:
+        """Return the next word as a finite decimal number."""
+        token = self.next(expected)
+        return self.as_number(token, expected)
+
+    def as_number(self, token: Token, expected: str) -> float:
+        """Return a word as a finite decimal number.
+
+        Raises
+        ------
+        FormatError
+            If it is none: NaN, infinity, hexadecimal and underscores are not accepted.
+        """
+        if _NUMBER.fullmatch(token.text.encode()) and np.isfinite(float(token.text)):
+            return float(token.text)
+        raise self.found(expected, token)
+
+    def line(self) -> Token:
+        """Return the rest of the line up to a brace, without surrounding blanks."""
+        match = re.compile(rb"[^\n{}]*").match(self.source.data, self.position)
+        assert match is not None
+        self.position = match.end()
+        text = self.source.decode(*match.span())
+        blanks = len(text) - len(text.lstrip())
+        return Token(text.strip(), match.start() + blanks)
+
+    def found(self, expected: str, token: Token) -> FormatError:
+        """Return the error of a word that is not what was expected."""
+        return self.source.error(f"expected {expected}, found {shown(token.text)}", token.at)
+
+
+def shown(text: str) -> str:
+    """Return a word as error messages show it."""
+    return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "...")
+
+
+def numbers(source: Source, start: int) -> NDArray[np.float64]:
+    """Return the numbers (n,) from a byte offset to the file's end.
+
+    Raises
+    ------
+    FormatError
+        At the first word that is not a finite decimal number.
+    """
+    values = parse(source.data[start:])
+    if values is None:
+        raise _bad_number(source, start)
+    return values
+
+
+def parse(body: bytes) -> NDArray[np.float64] | None:
+    """Return the numbers (n,) in text of nothing else, or None if a word is not one."""
+    if not body or body.isspace():
+        return np.empty(0)
+    if body.translate(None, _NUMERIC):
+        return None
+    with warnings.catch_warnings():
+        # Older NumPy warns where newer ones raise.
+        warnings.simplefilter("error", DeprecationWarning)
+        try:
+            values = np.fromstring(body, dtype=float, sep=" ")
+        except (ValueError, DeprecationWarning):
+            return None
+    # Words run together, as in 1.5-2, would be read as two numbers.
+    plain = len(values) == count_words(body) and bool(np.all(np.isfinite(values)))
+    return values if plain else None
+
+
+def count_words(text: bytes) -> int:
+    """Return the number of words separated by white space."""
+    blank = np.frombuffer(text, np.uint8) <= ord(" ")
+    starts = np.count_nonzero(blank[:-1] & ~blank[1:])
+    return int(starts) + int(blank.size > 0 and not blank[0])
+
+
+def words(source: Source, start: int) -> Iterator[re.Match[bytes]]:
+    """Return matches of all words from a byte offset on."""
+    return _WORD.finditer(source.data, start)
+
+
+def _bad_number(source: Source, start: int) -> FormatError:
+    for match in words(source, start):
+        if not (_NUMBER.fullmatch(match.group()) and np.isfinite(float(match.group()))):
+            found = shown(source.decode(*match.span()))
+            return source.error(f"expected a number, found {found}", match.start())
+    raise AssertionError("the fast and the strict reader disagree on what is a number")
+
+
+def lines(source: Source, start: int = 0) -> Iterator[list[Token]]:
+    """Return the words of each line that is not blank, from a byte offset on.
+
+    Raises
+    ------
+    FormatError
+        At a byte that is not UTF-8.
+    """
+    while start < len(source.data):
+        stop = source.data.find(b"\n", start) + 1 or len(source.data)
+        found = _WORD.finditer(source.data, start, stop)
+        line = [Token(source.decode(*match.span()), match.start()) for match in found]
+        if line:
+            yield line
+        start = stop
+
+
+def save(path: Path, pieces: Iterable[str]) -> None:
+    """Write a text file beside its place and rename it, so that it appears whole or not at all.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("w", encoding="utf-8", newline="\n") as file:
+            file.writelines(pieces)
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def rows(table: NDArray[np.float64], row: str) -> Iterator[str]:
+    """Yield the text of a table (F, C), its numbers put into ``row`` with C fields ``%s``."""
+    block = max(1, _BLOCK // max(1, table.shape[1]))
+    for start in range(0, len(table), block):
+        # Rounding first leaves no digits of the decimals' binary noise, and no -0.
+        part = np.round(table[start : start + block], _DECIMALS) + 0.0
+        yield row.replace("%s", "%.10g") * len(part) % tuple(part.ravel().tolist())

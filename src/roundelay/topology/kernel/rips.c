@@ -66,6 +66,7 @@ void VARIANT(rips_free)(rips *state)
     free(state->near);
     free(state->vertex);
     free(state->parent);
+    free(state->hub);
     free(state->rest);
     free(state->merges);
     free(state->births);
@@ -351,18 +352,44 @@ static uint32_t take_first(rips *state, uint64_t *set, int64_t word)
     return state->vertex[word * 64 + bit];
 }
 
-/* 1 if some vertex of the lune of a and b, from word on, is not near v. */
+/* rest = the vertices of the lune of a and b that are not near v; 1 if there are any. */
 static int leaves_rest(const uint64_t *RESTRICT a, const uint64_t *RESTRICT b,
-                       const uint64_t *RESTRICT v, int64_t word, int64_t words)
+                       const uint64_t *RESTRICT v, uint64_t *RESTRICT rest, int64_t words)
 {
-    for (; word < words; word += 4) {
-        const uint64_t rest = (a[word] & b[word] & ~v[word]) |
-                              (a[word + 1] & b[word + 1] & ~v[word + 1]) |
-                              (a[word + 2] & b[word + 2] & ~v[word + 2]) |
-                              (a[word + 3] & b[word + 3] & ~v[word + 3]);
-        if (rest) return 1;
+    uint64_t any = 0;
+    for (int64_t word = 0; word < words; ++word) any |= rest[word] = a[word] & b[word] & ~v[word];
+    return any != 0;
+}
+
+/* Take the neighbours of v from rest; 1 if any are left. */
+static int shrinks_rest(const uint64_t *RESTRICT v, uint64_t *RESTRICT rest, int64_t words)
+{
+    uint64_t any = 0;
+    for (int64_t word = 0; word < words; ++word) any |= rest[word] &= ~v[word];
+    return any != 0;
+}
+
+/* Bit position of the first vertex of the lune, outside rest, that is near x; or -1. */
+static int64_t first_link(const rips *state, const uint64_t *a, const uint64_t *b, const uint64_t *x)
+{
+    for (int64_t word = 0; word < state->words; ++word) {
+        const uint64_t links = a[word] & b[word] & x[word] & ~state->rest[word];
+        if (links) return 64 * word + lowest_bit(links);
     }
-    return 0;
+    return -1;
+}
+
+/* 1 if the lune of a and b is one component, found by a short search: each vertex outside rest
+ * is known to be connected, and is used to take the first one of rest. */
+static int soon_connected(rips *state, const uint64_t *a, const uint64_t *b)
+{
+    for (;;) {
+        const int64_t word = first_word(state->rest, state->words);
+        const uint32_t x = state->vertex[word * 64 + lowest_bit(state->rest[word])];
+        const int64_t link = first_link(state, a, b, row_of(state, x));
+        if (link < 0) return 0;
+        if (!shrinks_rest(row_of(state, state->vertex[link]), state->rest, state->words)) return 1;
+    }
 }
 
 /* Move the neighbours of v from rest to todo. */
@@ -407,20 +434,41 @@ static void relate_components(rips *state, uint64_t key, uint32_t through)
     }
 }
 
+/* The vertex that last reached a whole lune at i or j, if it is in this lune; else through. */
+static uint32_t likely_hub(const rips *state, uint32_t i, uint32_t j, uint32_t through)
+{
+    const uint64_t *a = row_of(state, i), *b = row_of(state, j);
+    const uint32_t hubs[2] = {state->hub[i], state->hub[j]};
+    for (int which = 0; which < 2; ++which) {
+        const uint32_t label = state->label[hubs[which]];
+        if ((a[label / 64] & b[label / 64]) >> label % 64 & 1) return hubs[which];
+    }
+    return through;
+}
+
+static void fill_edge(rips *state, uint64_t key, uint32_t through)
+{
+    const uint32_t i = key_low(key), j = key_high(key);
+    const uint64_t *a = row_of(state, i), *b = row_of(state, j);
+    const uint32_t hub = likely_hub(state, i, j, through);
+    state->fill[i * state->n + j] = (uint16_t)through;
+    if (!leaves_rest(a, b, row_of(state, hub), state->rest, state->words))
+        state->hub[i] = state->hub[j] = (uint16_t)hub;
+    else if (!soon_connected(state, a, b))
+        relate_components(state, key, through);
+}
+
 static void add_edge(rips *state, uint64_t key)
 {
     const uint32_t i = key_low(key), j = key_high(key);
     uint64_t *a = state->near + i * state->words, *b = state->near + j * state->words;
     int64_t word = 0;
     while (word < state->words && !(a[word] & b[word])) ++word;
-    if (word == state->words) {
+    if (word < state->words) {
+        fill_edge(state, key, state->vertex[word * 64 + lowest_bit(a[word] & b[word])]);
+    } else {
         state->fill[i * state->n + j] = NO_VERTEX;
         add_unfilled_edge(state, key);
-    } else {
-        const uint32_t through = state->vertex[word * 64 + lowest_bit(a[word] & b[word])];
-        state->fill[i * state->n + j] = (uint16_t)through;
-        if (leaves_rest(a, b, row_of(state, through), word / 4 * 4, state->words))
-            relate_components(state, key, through);
     }
     a[state->label[j] / 64] |= (uint64_t)1 << state->label[j] % 64;
     b[state->label[i] / 64] |= (uint64_t)1 << state->label[i] % 64;
@@ -440,10 +488,11 @@ static rips *start_state(const float *lengths, int64_t n, const uint16_t *label,
     state->near = calloc((size_t)(n * state->words), sizeof *state->near);
     state->vertex = calloc((size_t)(state->words * 64), sizeof *state->vertex);
     state->parent = calloc((size_t)n, sizeof *state->parent);
+    state->hub = calloc((size_t)n, sizeof *state->hub);
     state->rest = calloc((size_t)(2 * state->words), sizeof *state->rest);
     state->merges = calloc((size_t)n, sizeof *state->merges);
     state->longest = calloc((size_t)wanted + 1, sizeof *state->longest);
-    state->failed = !(state->near && state->vertex && state->parent && state->rest &&
+    state->failed = !(state->near && state->vertex && state->parent && state->hub && state->rest &&
                       state->merges && state->longest);
     if (state->failed) return state;
     state->todo = state->rest + state->words;

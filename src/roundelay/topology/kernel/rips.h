@@ -25,6 +25,7 @@ struct rips {
     const uint16_t *label;    /* (n): bit position of a vertex */
     uint16_t *vertex;         /* (n): vertex of a bit position */
     uint16_t *parent;         /* (n): union-find forest */
+    uint16_t *hub;            /* (n): the vertex that last reached all of a lune here */
     uint16_t *fill;           /* (n, n), upper triangle */
     uint64_t *rest, *todo;    /* (words): one lune's vertices */
     float *merges;            /* (n - 1): deaths of components */

@@ -35,6 +35,8 @@ class Motion:
         the skeleton's offsets by default. The root's column is not used.
     name : str
         A name for people: by default the file's.
+    up : {0, 1, 2}
+        The axis that points up; Y (1) unless the file's poses say otherwise.
 
     Raises
     ------
@@ -48,6 +50,7 @@ class Motion:
     frame_time: float
     translations: Array | None = None
     name: str = ""
+    up: int = 1
 
     def __post_init__(self) -> None:
         joints = self.skeleton.n_joints
@@ -78,6 +81,11 @@ class Motion:
     def n_frames(self) -> int:
         """Number of frames."""
         return len(self)
+
+    @property
+    def up_vector(self) -> Array:
+        """The unit vector (3,) that points up."""
+        return np.eye(3)[self.up]
 
     @property
     def fps(self) -> float:
@@ -165,6 +173,37 @@ class Motion:
         while parent not in keep:
             parent = self.skeleton.parents[parent]
         return keep.index(parent)
+
+    def with_root_motion(self) -> Motion:
+        """Move what lies between the root and the body's first branching into the root.
+
+        Some files keep an unmoving root at the origin and move the hips below it; joints that
+        lie on the way to the first joint with several children then stand still, and every
+        joint keeps its place in the world.
+        """
+        children = np.bincount(np.array(self.skeleton.parents[1:], int), minlength=1)
+        chain = [0]
+        while chain[-1] < len(children) and children[chain[-1]] == 1:
+            chain.append(self.skeleton.parents.index(chain[-1]))
+        if len(chain) == 1 or chain[-1] >= len(children):
+            return self
+        places, turns = forward_kinematics(
+            self.skeleton, self.rotations, self.root_path, translations=self.translations
+        )
+        rotations = self.rotations.copy()
+        rotations[:, chain] = (1.0, 0.0, 0.0, 0.0)
+        rotations[:, 0] = turns[:, chain[-1]]
+        offset = self.skeleton.offsets[chain[1:]].sum(axis=0)
+        moved = None
+        if self.translations is not None:
+            moved = self.translations.copy()
+            moved[:, chain[1:]] = self.skeleton.offsets[chain[1:]]
+        return replace(
+            self,
+            rotations=rotations,
+            root_path=places[:, chain[-1]] - rot.rotate(rotations[:, 0], offset),
+            translations=moved,
+        )
 
     def scaled(self, factor: float) -> Motion:
         """Return the motion with every length multiplied by a positive factor."""

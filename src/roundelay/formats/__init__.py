@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 
+import numpy as np
+
 from roundelay.formats import amc, bvh, bvh_writer
+from roundelay.geometry.kinematics import vertical_axis
 from roundelay.motion import Motion
 from roundelay.skeleton import Skeleton
 
@@ -60,9 +63,15 @@ def read(
     if not known.takes_skeleton:
         if skeleton is not None:
             raise ValueError(f"expected no skeleton: a {path.suffix} file holds its own")
-        return known.read(path)
+        return _upright(known.read(path))
     is_path = skeleton is not None and not isinstance(skeleton, Skeleton)
-    return known.read(path, Path(skeleton) if is_path else skeleton)
+    return _upright(known.read(path, Path(skeleton) if is_path else skeleton))
+
+
+def _upright(motion: Motion) -> Motion:
+    """Find out which axis points up from some fifty poses."""
+    spread = motion.at(np.linspace(0, len(motion) - 1, min(len(motion), 50)))
+    return replace(motion, up=vertical_axis(spread.positions(), motion.skeleton.size))
 
 
 def write(motion: Motion, path: str | PathLike[str]) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from roundelay.geometry import rotations as rot
 from roundelay.skeleton import Skeleton
 
-__all__ = ["forward_kinematics", "heading"]
+__all__ = ["forward_kinematics", "heading", "vertical_axis"]
 
 Array = NDArray[np.float64]
 
@@ -69,3 +69,28 @@ def _twist_legs(orientations: Array, up: int) -> tuple[Array, Array]:
     w, along = orientations[..., 0], orientations[..., 1 + up]
     sign = np.where(w < 0.0, -1.0, 1.0)
     return sign * along, sign * w
+
+
+def vertical_axis(positions: Array, size: float) -> int:
+    """Guess which axis points up: Y, unless Z fits a floor much better.
+
+    Along the vertical, the body stands well above its lowest joint, and the lowest joint keeps
+    its height.
+
+    Parameters
+    ----------
+    positions : (F, J, 3) ndarray
+        Global joint positions.
+    size : float
+        The skeleton's size, in the same unit.
+
+    Returns
+    -------
+    int
+        1 or 2.
+    """
+    lowest = positions.min(axis=1)
+    height = np.mean(positions.mean(axis=1) - lowest, axis=0)
+    # A twentieth of the body is what a floor varies by at least (toes roll, heels lift).
+    fit = height / (np.std(lowest, axis=0) + 0.05 * size)
+    return 2 if fit[2] > 3.0 * max(fit[1], 0.0) and height[2] > 0.2 * size else 1

@@ -1,0 +1,1 @@
+"""From phased poses to cycles: closed curves of poses with their travel."""

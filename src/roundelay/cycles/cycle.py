@@ -1,0 +1,184 @@
+"""A cycle: one period of a motion as a closed, smooth curve of poses, with its travel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from roundelay.cycles.harmonic import HarmonicCurve
+from roundelay.geometry import rotations as rot
+from roundelay.motion import Motion
+from roundelay.periodicity import Evidence
+from roundelay.skeleton import Skeleton
+
+__all__ = ["Cycle"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """Hold a periodic motion that can be evaluated at any phase.
+
+    The root moves as it did in the capture, gait for gait: its path is the integral of a
+    periodic velocity in a frame that turns steadily ([C] 3.9 has a line instead).
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    period : float
+        Seconds.
+    pose : HarmonicCurve
+        Quaternions of all joints, 4 J values, before normalisation; the root's without its
+        steady turning. Zero for the joints of `odd_pose`.
+    odd_pose : HarmonicCurve or None
+        The same for joints that make an odd number of whole turns in a period.
+    velocity : HarmonicCurve
+        Velocity of the root in the turning frame, lengths a period; 3 values, the vertical
+        one zero unless the motion climbs.
+    height : HarmonicCurve
+        Height of the root above the path's plane, 1 value; its mean only where it climbs.
+    turning : float
+        Radians the heading gains in a period.
+    up : int
+        The axis that points up.
+    fps : float
+        Frame rate of the capture, the default for `sample`.
+    translations : HarmonicCurve or None
+        Local positions of joints, 3 J values, where bones change length.
+    name : str
+        A name for people.
+    evidence : Evidence or None
+        What the cycle was found by: the frames that show it, its barcode and coordinate.
+    """
+
+    skeleton: Skeleton
+    period: float
+    pose: HarmonicCurve
+    odd_pose: HarmonicCurve | None
+    velocity: HarmonicCurve
+    height: HarmonicCurve
+    turning: float
+    up: int
+    fps: float
+    translations: HarmonicCurve | None = None
+    name: str = ""
+    evidence: Evidence | None = field(default=None, repr=False)
+
+    @property
+    def travel(self) -> Array:
+        """Displacement (3,) of the root over one period, in the skeleton's length unit."""
+        return self.root_path(np.array([0.0, 1.0]))[1] - self.root_path(np.zeros(1))[0]
+
+    def rotations(self, phase: ArrayLike) -> Array:
+        """Return local rotations (n, J, 4) at phases (n,), the root's without its turning."""
+        x = np.asarray(phase, float)
+        values = self.pose(x)
+        if self.odd_pose is not None:
+            values = values + self.odd_pose(x)
+        return rot.normalize(values.reshape(len(x), self.skeleton.n_joints, 4))
+
+    def heading(self, phase: ArrayLike) -> Array:
+        """Return the steady turning (n,) in radians reached at unwrapped phases (n,)."""
+        return self.turning * np.asarray(phase, float)
+
+    def root_path(self, phase: ArrayLike, *, in_place: bool = False) -> Array:
+        """Return the root's position (n, 3) at unwrapped phases (n,), at 0 above the origin.
+
+        Parameters
+        ----------
+        phase : (n,) array_like
+        in_place : bool
+            Leave out the mean velocity and the turning; the path is then closed and centred.
+        """
+        x = np.asarray(phase, float)
+        if in_place:
+            still = replace(self.velocity, constant=np.zeros(3))
+            path = still.integral(x) + still.sine.T @ (-1 / (2 * np.pi * still.frequencies))
+        else:
+            path = self._turned_integral(x)
+        path[:, self.up] += self.height(x)[:, 0]
+        return path
+
+    def _turned_integral(self, x: Array) -> Array:
+        """Integrate the velocity, turned by the heading, from phase 0.
+
+        In the plane, as complex numbers, the velocity is sum c_k exp(2 pi i k x) and the
+        heading exp(i turning x), so that every term integrates by itself.
+        """
+        path = self.velocity.integral(x)
+        across, along = (self.up + 1) % 3, (self.up + 2) % 3
+        v, frequencies = self.velocity, 2 * np.pi * self.velocity.frequencies
+        cosine = v.cosine[:, across] + 1j * v.cosine[:, along]
+        sine = v.sine[:, across] + 1j * v.sine[:, along]
+        mean = v.constant[across] + 1j * v.constant[along]
+        c = np.concatenate([[mean], (cosine - 1j * sine) / 2, (cosine + 1j * sine) / 2])
+        rate = self.turning + np.concatenate([[0.0], frequencies, -frequencies])
+        # (exp(i r x) - 1) / (i r) = x exp(i r x / 2) sinc(r x / 2 pi), sound at r = 0 too.
+        half = 0.5 * x[:, None] * rate
+        plane = (x[:, None] * np.exp(1j * half) * np.sinc(half / np.pi)) @ c
+        path[:, across], path[:, along] = plane.real, plane.imag
+        return path
+
+    def sample(
+        self,
+        fps: float | None = None,
+        *,
+        periods: int = 1,
+        start: float = 0.0,
+        in_place: bool = False,
+        repeat_first: bool = False,
+    ) -> Motion:
+        """Return the cycle as frames that loop.
+
+        A period is given the whole number of frames nearest to it, so that the frame after
+        the last one is the first again.
+
+        Parameters
+        ----------
+        fps : float, optional
+            Frames a second; the capture's by default.
+        periods : int
+            How many periods, one after the other.
+        start : float
+            Phase of the first frame.
+        in_place : bool
+            Leave out the root's travel and turning.
+        repeat_first : bool
+            Append the frame that repeats the first, as some programs want.
+
+        Raises
+        ------
+        ValueError
+            If `fps` or `periods` is not positive.
+        """
+        rate = self.fps if fps is None else fps
+        if not (np.isfinite(rate) and rate > 0.0):
+            raise ValueError(f"expected a positive frame rate, found {rate}")
+        if periods < 1:
+            raise ValueError(f"expected at least one period, found {periods}")
+        count = max(1, round(self.period * rate))
+        phase = start + np.arange(count * periods + int(repeat_first)) / count
+        return self.at(phase, frame_time=1.0 / rate, in_place=in_place)
+
+    def at(self, phase: ArrayLike, *, frame_time: float, in_place: bool = False) -> Motion:
+        """Return the poses at unwrapped phases (n,) as a motion; see `sample`."""
+        x = np.asarray(phase, float)
+        rotations = self.rotations(x)
+        moved = None
+        if self.translations is not None:
+            moved = self.translations(x).reshape(len(x), self.skeleton.n_joints, 3)
+        if not in_place:
+            turn = rot.from_rotation_vector(self.heading(x)[:, None] * np.eye(3)[self.up])
+            rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
+        return Motion(
+            skeleton=self.skeleton,
+            rotations=rotations,
+            root_path=self.root_path(x, in_place=in_place),
+            frame_time=frame_time,
+            translations=moved,
+            name=self.name,
+            up=self.up,
+        )

@@ -1,0 +1,179 @@
+"""Harmonic regression: smooth periodic functions fitted to values at given phases ([C] 3.2).
+
+The basis is 1, sin 2 pi k x, cos 2 pi k x for k = 1..K ([C] eq. 3.6), or half-integer k for
+functions that change sign after a turn (quaternions of a joint that makes a whole turn).
+Instead of [C]'s pull towards differences of the data (eq. 3.14), roughness is penalised by the
+integral of the squared second derivative, its strength chosen for each value by generalised
+cross-validation: a smoothing spline on the circle. The faithful models are in
+`roundelay.cycles.paper`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["HarmonicCurve", "crossfade_weights", "fit_harmonic", "highest_harmonic"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class HarmonicCurve:
+    """A periodic function from phase to d values.
+
+    Parameters
+    ----------
+    frequencies : (m,) ndarray
+        Turns per unit of phase: 1, 2, ..., K or 1/2, 3/2, ...
+    constant : (d,) ndarray
+        c of [C] eq. 3.6; zero for half-integer frequencies.
+    sine, cosine : (m, d) ndarray
+        a and b of [C] eq. 3.6.
+    """
+
+    frequencies: Array
+    constant: Array
+    sine: Array
+    cosine: Array
+
+    def __call__(self, phase: ArrayLike, derivative: int = 0) -> Array:
+        """Evaluate the curve or a derivative by phase.
+
+        Parameters
+        ----------
+        phase : (n,) array_like
+            In turns.
+        derivative : int
+            0 for the value, 1 for the derivative by phase, and so on.
+
+        Returns
+        -------
+        (n, d) ndarray
+        """
+        angle = 2 * np.pi * np.asarray(phase, float)[:, None] * self.frequencies
+        scale = (2 * np.pi * self.frequencies) ** derivative
+        quarter = 0.5 * np.pi * derivative
+        value = (scale * np.sin(angle + quarter)) @ self.sine
+        value += (scale * np.cos(angle + quarter)) @ self.cosine
+        return value + self.constant if derivative == 0 else value
+
+    def integral(self, phase: ArrayLike) -> Array:
+        """Return the integral over phase from 0, (n, d), the constant's included."""
+        x = np.asarray(phase, float)
+        angle = 2 * np.pi * x[:, None] * self.frequencies
+        scale = 1.0 / (2 * np.pi * self.frequencies)
+        value = (scale * (1.0 - np.cos(angle))) @ self.sine + (scale * np.sin(angle)) @ self.cosine
+        return value + x[:, None] * self.constant
+
+
+def highest_harmonic(period: float, *, bandwidth: float = 15.0) -> int:
+    """Return the number of harmonics that a motion of this period can need.
+
+    Parameters
+    ----------
+    period : float
+        Seconds.
+    bandwidth : float
+        Hz; people's movement, foot strikes included, lies below (gait laboratories filter
+        marker paths at 6 to 15 Hz).
+    """
+    return int(np.clip(np.ceil(bandwidth * period), 5, 60))
+
+
+def crossfade_weights(turns: ArrayLike, runs: list[tuple[int, int]]) -> Array:
+    """Weigh frames so that a run's ends blend into each other.
+
+    A run of 1.3 turns shows three tenths of the circle twice; weights that rise over the first
+    and fall over the last 0.3 turns make the seam a cross-fade instead of a step.
+
+    Parameters
+    ----------
+    turns : (n,) array_like
+        Unwrapped phase.
+    runs : list of (start, stop)
+
+    Returns
+    -------
+    (n,) ndarray
+        In [0, 1]; 0 outside the runs.
+    """
+    x = np.asarray(turns, float)
+    weights = np.zeros(len(x))
+    for start, stop in runs:
+        made = x[start:stop] - x[start]
+        length = made[-1]
+        # At most one turn on either side; at least a twentieth, for a soft end.
+        fade = np.clip(length - 1.0, 0.05, 1.0)
+        ramp = np.clip(np.minimum(made, length - made) / fade, 0.0, 1.0)
+        weights[start:stop] = ramp * ramp * (3.0 - 2.0 * ramp)
+    return np.maximum(weights, 1e-6 * (weights > 0))
+
+
+def fit_harmonic(
+    phase: ArrayLike,
+    values: ArrayLike,
+    harmonics: int,
+    *,
+    weights: ArrayLike | None = None,
+    odd: bool = False,
+) -> HarmonicCurve:
+    """Fit a smooth periodic function by penalised least squares.
+
+    Minimises sum w |h(x) - y|^2 + lambda integral |h''|^2, lambda by generalised
+    cross-validation for every column of `values` by itself.
+
+    Parameters
+    ----------
+    phase : (n,) array_like
+        In turns.
+    values : (n, d) array_like
+    harmonics : int
+        K of [C] eq. 3.6: the highest frequency.
+    weights : (n,) array_like, optional
+        Uniform by default.
+    odd : bool
+        Fit a function with h(x + 1) = -h(x).
+
+    Returns
+    -------
+    HarmonicCurve
+    """
+    x, y = np.asarray(phase, float), np.asarray(values, float)
+    w = np.ones(len(x)) if weights is None else np.asarray(weights, float)
+    w = w * (len(w) / w.sum())
+    frequencies: Array = np.arange(1.0, harmonics + 1) - (0.5 if odd else 0.0)
+    angle = 2 * np.pi * x[:, None] * frequencies
+    basis = [np.sin(angle), np.cos(angle)] + ([] if odd else [np.ones((len(x), 1))])
+    design = np.hstack(basis) * np.sqrt(w)[:, None]
+    rough = np.concatenate([frequencies**4, frequencies**4, [] if odd else [0.0]])
+    solution = _cross_validated(design, y * np.sqrt(w)[:, None], rough)
+    constant = np.zeros(y.shape[1]) if odd else solution[-1]
+    return HarmonicCurve(
+        frequencies, constant, solution[:harmonics], solution[harmonics:][:harmonics]
+    )
+
+
+def _cross_validated(design: Array, values: Array, rough: Array) -> Array:
+    """Solve the ridge problem with penalty diag(rough), strength by GCV a column."""
+    n = len(design)
+    # In units of the penalty the Gram matrix is diagonal for all strengths at once.
+    gram = design.T @ design + 1e-9 * n * np.eye(len(rough))
+    low = np.linalg.cholesky(gram)
+    half = np.linalg.solve(low, np.diag(np.sqrt(rough)))
+    strength, axes = np.linalg.eigh(half @ half.T)
+    strength = np.maximum(strength, 0.0)
+    target = axes.T @ np.linalg.solve(low, design.T @ values)
+    total = np.einsum("ij,ij->j", values, values)
+    best, shrink = np.full(values.shape[1], np.inf), np.ones((len(rough), values.shape[1]))
+    for penalty in np.geomspace(1e-9, 1e-1, 25):
+        kept = 1.0 / (1.0 + penalty * n * strength)
+        # |y - X b|^2 = |y|^2 - sum (2 kept - kept^2) target^2
+        residual = total - (2 * kept - kept**2) @ target**2
+        score = np.maximum(residual, 1e-30) / np.maximum(n - 1.4 * kept.sum(), 1e-3) ** 2
+        better = score < best
+        best[better] = score[better]
+        shrink[:, better] = kept[:, None]
+    return np.asarray(np.linalg.solve(low.T, axes @ (shrink * target)))

@@ -1,0 +1,232 @@
+"""From candidate parts to a phase: topology's verdict on whether and how a motion is periodic.
+
+The poses of one motion, with their velocities, form a closed curve if it is periodic. Its
+barcode says whether there is one loop and no other; its circular coordinate, over time, whether
+the motion runs around it again and again ([A] 4.2, 4.6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.coordinate import CircularCoordinate, circular_coordinate
+from roundelay.errors import NoPeriod, TooShort
+from roundelay.poses import with_velocity
+from roundelay.timing import Run, return_period, unwrap
+from roundelay.topology.rips import Barcode, persistent_cohomology
+
+__all__ = ["Evidence", "TopologyOptions", "measure", "without_pauses"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+# More points than this are thinned to landmarks; exact topology of them takes about 20 ms.
+_LANDMARKS = 500
+# Shares of a turn over which pauses are looked for.
+_CELLS = 16
+
+
+@dataclass(frozen=True)
+class TopologyOptions:
+    """Choices that are automatic unless given.
+
+    Parameters
+    ----------
+    prime : int
+        Coefficients of the cohomology are integers modulo this prime.
+    class_index : int
+        Which bar to use, 0 being the longest.
+    scale : float, optional
+        Scale of the coordinate, between birth and death of the bar, in body sizes.
+    delay : float, optional
+        Frames by which velocity is weighed against position: period / 2 pi by default, 0 for
+        poses alone.
+    """
+
+    prime: int = 47
+    class_index: int = 0
+    scale: float | None = None
+    delay: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What was measured of one motion.
+
+    Attributes
+    ----------
+    runs : tuple of (start, stop)
+        The frames that show it, as half-open ranges.
+    turns : (F,) ndarray
+        Unwrapped circular coordinate of every frame, in turns; NaN outside the runs.
+    period : float
+        Frames of one turn (median time of return).
+    barcode : Barcode
+        Degree-1 bars of the cloud of poses with velocities, in body sizes.
+    coordinate : CircularCoordinate
+        Of the landmarks.
+    net, total : float
+        Turns forward minus backward, and their sum.
+    """
+
+    runs: tuple[Run, ...]
+    turns: Array = field(repr=False)
+    period: float
+    barcode: Barcode = field(repr=False)
+    coordinate: CircularCoordinate = field(repr=False)
+    net: float
+    total: float
+
+    @property
+    def repetitions(self) -> float:
+        """How many periods were seen."""
+        return self.net
+
+    @property
+    def prominence(self) -> float:
+        """Length of the class's bar over the longest other one."""
+        lengths = self.barcode.deaths - self.barcode.births
+        others = np.delete(lengths, self.coordinate.class_index)
+        return float(lengths[self.coordinate.class_index] / max(others.max(initial=0.0), 1e-12))
+
+    @property
+    def steadiness(self) -> float:
+        """Net turns over all turns: 1 if the coordinate never runs backwards."""
+        return self.net / max(self.total, 1e-12)
+
+    @property
+    def confidence(self) -> float:
+        """How sure it is that the motion is periodic, in [0, 1].
+
+        Each turn confirms that the loop's bar is no chance, the more so the longer it is
+        against the next: 1 - prominence^-turns; times the share of motion that goes forwards
+        (steadiness), times what was seen again (twice the turns beyond the first, at most 1).
+        """
+        again = float(np.clip(2.0 * (self.net - 1.0), 0.0, 1.0))
+        return (1.0 - max(self.prominence, 1.0) ** -self.net) * self.steadiness * again
+
+    def objection(self) -> str | None:
+        """Say why this is not a periodic motion, or None."""
+        if self.net < 1.05:
+            return f"it makes {self.net:.2f} turns of its loop, not more than one"
+        if self.steadiness < 0.8:
+            return f"of {self.total:.2f} turns only {self.net:.2f} remain forwards"
+        # One turn and a bit could be chance: its loop must stand out the more.
+        needed = 1.5 if self.net >= 1.5 else 3.0
+        if self.prominence < needed:
+            return f"its longest bar is {self.prominence:.2f} times the next, not {needed:g}"
+        return None
+
+
+def measure(
+    points: Array, runs: Sequence[Run], period: float, step: int, options: TopologyOptions
+) -> Evidence:
+    """Compute the barcode and the coordinate of the frames in some runs.
+
+    Parameters
+    ----------
+    points : (F, d) ndarray
+        One point a frame.
+    runs : sequence of (start, stop)
+        Frames that show one motion.
+    period : float
+        Rough period in frames.
+    step : int
+        Take every step-th frame only.
+    options : TopologyOptions
+
+    Returns
+    -------
+    Evidence
+
+    Raises
+    ------
+    NoPeriod
+        If the cloud has no loop or the coordinate does not turn.
+    """
+    thin = [np.arange(start, stop, step) for start, stop in runs]
+    frames, local = np.concatenate(thin), _bounds([len(part) for part in thin])
+    weighing = period / step if options.delay is None else 2 * np.pi * options.delay / step
+    cloud = with_velocity(points[frames], local, weighing)
+    stride = -(-len(cloud) // _LANDMARKS)
+    barcode = persistent_cohomology(cloud[::stride], prime=options.prime)
+    if len(barcode) <= options.class_index:
+        raise NoPeriod("the poses form no loop", barcode)
+    coordinate = circular_coordinate(
+        barcode,
+        k=options.class_index,
+        scale=options.scale,
+        runs=[(-(-a // stride), -(-b // stride)) for a, b in local],
+    )
+    phase = coordinate.phase if stride == 1 else coordinate.evaluate(cloud)
+    turns = unwrap(phase, local)
+    if sum(turns[b - 1] - turns[a] for a, b in local) < 0.0:
+        turns = unwrap(-phase, local)
+    try:
+        found = return_period(turns, local) * step
+    except TooShort as error:
+        raise NoPeriod(str(error), barcode) from None
+    spread = np.full(len(points), np.nan)
+    for (start, stop), part, (a, b) in zip(runs, thin, local, strict=True):
+        spread[start:stop] = _interpolated(np.arange(start, stop), part, turns[a:b])
+    moved = np.concatenate([np.diff(turns[a:b]) for a, b in local])
+    net, total = float(moved.sum()), float(np.abs(moved).sum())
+    return Evidence(tuple(runs), spread, found, barcode, coordinate, net, total)
+
+
+def _bounds(lengths: list[int]) -> list[Run]:
+    stops = np.cumsum(lengths).tolist()
+    return list(zip([0, *stops[:-1]], stops, strict=True))
+
+
+def _interpolated(frames: Indices, known: Indices, values: Array) -> Array:
+    """Interpolate linearly, and go on with the last slope beyond the last known frame."""
+    slope = (values[-1] - values[-2]) / (known[-1] - known[-2]) if len(known) > 1 else 0.0
+    beyond = np.maximum(frames - known[-1], 0)
+    return np.interp(frames, known, values) + slope * beyond
+
+
+def without_pauses(evidence: Evidence) -> list[Run]:
+    """Cut the runs where the motion pauses, and drop what is left without a turn.
+
+    A pause is a passage through a cell of the circle that takes three times as long as usual
+    there and a good part of a period: a person stands, or turns around, before going on.
+
+    Returns
+    -------
+    list of (start, stop)
+    """
+    passages = [p for run in evidence.runs for p in _passages(evidence.turns, run)]
+    dwell: dict[int, list[int]] = {}
+    for cell, first, last in passages:
+        dwell.setdefault(cell % _CELLS, []).append(last - first)
+    usual = {cell: sorted(times)[(len(times) - 1) // 2] for cell, times in dwell.items()}
+    shortest = 0.35 * evidence.period
+    kept = []
+    for run in evidence.runs:
+        start = run[0]
+        for cell, first, last in _passages(evidence.turns, run):
+            if last - first > max(3.0 * usual[cell % _CELLS], shortest):
+                kept.append((start, first))
+                start = last
+        kept.append((start, run[1]))
+    return [run for run in kept if _turned(evidence.turns, run) >= 0.75]
+
+
+def _turned(turns: Array, run: Run) -> float:
+    return float(turns[run[1] - 1] - turns[run[0]]) if run[1] - run[0] > 1 else 0.0
+
+
+def _passages(turns: Array, run: Run) -> list[tuple[int, int, int]]:
+    """List the cells a run passes, with the frames of entry and exit."""
+    cells = np.floor(np.maximum.accumulate(turns[run[0] : run[1]]) * _CELLS).astype(int)
+    entries = np.flatnonzero(np.diff(cells, prepend=cells[0] - 1))
+    exits = np.append(entries[1:], len(cells))
+    return [
+        (int(cells[a]), run[0] + int(a), run[0] + int(b))
+        for a, b in zip(entries, exits, strict=True)
+    ]

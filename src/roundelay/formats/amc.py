@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.errors import FormatError
-from roundelay.formats import text
+from roundelay.formats import decimals, text
 from roundelay.formats.acclaim import AcclaimLayout
 from roundelay.formats.asf import read_skeleton
 from roundelay.formats.euler import compose
@@ -239,7 +239,7 @@ def _numbers(words: list[bytes], names: list[bytes], pattern: list[bool]) -> Arr
             return None
     if not all(map(bytes.isdigit, words[::width])):
         return None
-    values = text.parse(b" ".join(compress(words, cycle(pattern))))
+    values = decimals.parse(b" ".join(compress(words, cycle(pattern))))
     return None if values is None else values.reshape(frames, sum(pattern))
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.errors import FormatError
+from roundelay.formats import decimals
 
 __all__ = [
     "Cursor",
@@ -21,17 +21,13 @@ __all__ = [
     "lines",
     "load",
     "numbers",
-    "parse",
     "rows",
     "save",
     "without_comments",
 ]
 
-_NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _TOKEN = re.compile(rb"[{}]|[^\s{}]+")
 _WORD = re.compile(rb"\S+")
-_NUMERIC = b"0123456789+-.eE \t\r\n\v\f"
-_COMMENT = re.compile(rb"(?<![^\s])(?:#|//)[^\n]*")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
 _SHOWN = 40
 _BLOCK = 1 << 16
@@ -113,9 +109,16 @@ def _refuse_binary(source: Source) -> None:
 
 def without_comments(source: Source) -> Source:
     """Return the file with comments (from ``#`` or ``//`` to the line's end) blanked out."""
-    if b"#" not in source.data and b"//" not in source.data:
-        return source
-    return Source(source.path, _COMMENT.sub(lambda m: b" " * len(m.group()), source.data))
+    data = bytearray(source.data)
+    for mark in (b"#", b"//"):
+        at = data.find(mark)
+        while at >= 0:
+            end = at + len(mark)
+            if at == 0 or data[at - 1 : at].isspace():
+                end = (data.find(b"\n", at) + 1 or len(data) + 1) - 1
+                data[at:end] = b" " * (end - at)
+            at = data.find(mark, end)
+    return Source(source.path, bytes(data))
 
 
 class Cursor:
@@ -168,7 +171,7 @@ class Cursor:
         FormatError
             If it is none: NaN, infinity, hexadecimal and underscores are not accepted.
         """
-        if _NUMBER.fullmatch(token.text.encode()) and np.isfinite(float(token.text)):
+        if decimals.is_number(token.text.encode()):
             return float(token.text)
         raise self.found(expected, token)
 
@@ -199,45 +202,15 @@ def numbers(source: Source, start: int) -> NDArray[np.float64]:
     FormatError
         At the first word that is not a finite decimal number.
     """
-    values = parse(source.data[start:])
+    values = decimals.parse(source.data[start:])
     if values is None:
         raise _bad_number(source, start)
     return values
 
 
-def parse(body: bytes) -> NDArray[np.float64] | None:
-    """Return the numbers (n,) in text of nothing else, or None if a word is not one."""
-    if not body or body.isspace():
-        return np.empty(0)
-    if body.translate(None, _NUMERIC):
-        return None
-    with warnings.catch_warnings():
-        # Older NumPy warns where newer ones raise.
-        warnings.simplefilter("error", DeprecationWarning)
-        try:
-            values = np.fromstring(body, dtype=float, sep=" ")
-        except (ValueError, DeprecationWarning):
-            return None
-    # Words run together, as in 1.5-2, would be read as two numbers.
-    plain = len(values) == count_words(body) and bool(np.all(np.isfinite(values)))
-    return values if plain else None
-
-
-def count_words(text: bytes) -> int:
-    """Return the number of words separated by white space."""
-    blank = np.frombuffer(text, np.uint8) <= ord(" ")
-    starts = np.count_nonzero(blank[:-1] & ~blank[1:])
-    return int(starts) + int(blank.size > 0 and not blank[0])
-
-
-def words(source: Source, start: int) -> Iterator[re.Match[bytes]]:
-    """Return matches of all words from a byte offset on."""
-    return _WORD.finditer(source.data, start)
-
-
 def _bad_number(source: Source, start: int) -> FormatError:
-    for match in words(source, start):
-        if not (_NUMBER.fullmatch(match.group()) and np.isfinite(float(match.group()))):
+    for match in _WORD.finditer(source.data, start):
+        if not decimals.is_number(match.group()):
             found = shown(source.decode(*match.span()))
             return source.error(f"expected a number, found {found}", match.start())
     raise AssertionError("the fast and the strict reader disagree on what is a number")

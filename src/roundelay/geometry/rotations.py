@@ -108,14 +108,34 @@ def from_euler(angles: ArrayLike, order: str | Sequence[str]) -> Array:
     -------
     (..., 4) ndarray
     """
-    half = 0.5 * np.asarray(angles, float)
+    half = 0.5 * np.moveaxis(np.asarray(angles, float), -1, 0)
     cosine, sine = np.cos(half), np.sin(half)
-    result = identity(*half.shape[:-1])
-    for column, letter in enumerate(order):
+    axes = [_axis(letter) for letter in order]
+    if sorted(axes) == [0, 1, 2]:
+        return _from_three_axes(cosine, sine, axes)
+    result = identity(*half.shape[1:])
+    for c, s, axis in zip(cosine, sine, axes, strict=True):
         turn = np.zeros_like(result)
-        turn[..., 0] = cosine[..., column]
-        turn[..., 1 + _axis(letter)] = sine[..., column]
-        result = turn if column == 0 else multiply(result, turn)
+        turn[..., 0] = c
+        turn[..., 1 + axis] = s
+        result = multiply(result, turn)
+    return result
+
+
+def _from_three_axes(cosine: Array, sine: Array, axes: Sequence[int]) -> Array:
+    """Multiply out three turns about different axes; cosine and sine (3, ...) of half angles."""
+    (ci, cj, ck), (si, sj, sk) = cosine, sine
+    if (axes[1] - axes[0]) % 3 == 2:
+        # An odd order mirrors an even one: the last turn changes its sense.
+        sk = -sk
+    result = np.empty((*ci.shape, 4))
+    cc, ss, cs, sc = ci * cj, si * sj, ci * sj, si * cj
+    result[..., 0] = cc * ck - ss * sk
+    result[..., 1 + axes[0]] = sc * ck + cs * sk
+    result[..., 1 + axes[1]] = cs * ck - sc * sk
+    result[..., 1 + axes[2]] = cc * sk + ss * ck
+    if (axes[1] - axes[0]) % 3 == 2:
+        result[..., 1 + axes[2]] *= -1.0
     return result
 
 
@@ -244,9 +264,12 @@ def continuous(quaternions: ArrayLike, axis: int = 0) -> Array:
         The axis of time.
     """
     q = np.moveaxis(np.asarray(quaternions, float), axis, 0)
-    flips = np.where(np.sum(q[1:] * q[:-1], axis=-1) < 0.0, -1.0, 1.0)
-    signs = np.concatenate([np.ones((1, *q.shape[1:-1])), np.cumprod(flips, axis=0)])
-    return np.moveaxis(q * signs[: len(q), ..., None], 0, axis)
+    flips = np.einsum("...i,...i->...", q[1:], q[:-1]) < 0.0
+    result = q.copy()
+    if np.any(flips):
+        turned = np.logical_xor.accumulate(flips, axis=0)
+        np.negative(q[1:], out=result[1:], where=turned[..., None])
+    return np.moveaxis(result, 0, axis)
 
 
 def mean(quaternions: ArrayLike, weights: ArrayLike | None = None) -> Array:

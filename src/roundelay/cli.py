@@ -1,0 +1,44 @@
+"""The command line: ``roundelay COMMAND``. Each command lives in `roundelay.commands`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from roundelay.commands.convert import convert
+from roundelay.commands.loop import loop
+
+__all__ = ["main"]
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="From raw motion capture to seamless, loopable cycles.",
+)
+for command in (loop, convert):
+    app.command()(command)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"roundelay {version('roundelay')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+def main() -> None:
+    """Run the command line."""
+    app()

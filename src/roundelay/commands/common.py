@@ -1,0 +1,134 @@
+"""What commands share: arguments, progress, one-line errors, exit codes."""
+
+from __future__ import annotations
+
+import json
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+import typer
+
+if TYPE_CHECKING:
+    from roundelay.motion import Motion
+    from roundelay.progress import Progress
+
+__all__ = [
+    "BAD_INPUT",
+    "NO_PERIOD",
+    "Capture",
+    "Directory",
+    "Frames",
+    "Json",
+    "Skeleton",
+    "fail",
+    "frame_range",
+    "one_line_errors",
+    "output_directory",
+    "print_json",
+    "progress_bar",
+    "read_capture",
+]
+
+BAD_INPUT, NO_PERIOD = 2, 3
+
+Capture = Annotated[Path, typer.Argument(help="A BVH or AMC file.", show_default=False)]
+Skeleton = Annotated[
+    Path | None,
+    typer.Option(help="The ASF of an AMC; looked for beside it by default.", show_default=False),
+]
+Directory = Annotated[
+    Path, typer.Option("-o", "--output", help="Folder for the results; made if need be.")
+]
+Frames = Annotated[
+    str | None,
+    typer.Option(
+        help="Look at frames START:STOP only (from 0, STOP left out).",
+        metavar="START:STOP",
+        show_default=False,
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print the results as JSON.")]
+
+
+def fail(message: str, code: int = BAD_INPUT) -> NoReturn:
+    """End the program with one line on standard error."""
+    typer.echo(f"roundelay: {message}", err=True)
+    raise typer.Exit(code)
+
+
+@contextmanager
+def one_line_errors() -> Iterator[None]:
+    """Turn errors of the input into one line and exit code 2, warnings into one line each."""
+    from roundelay.errors import NoPeriod, RoundelayError
+
+    with warnings.catch_warnings():
+        warnings.showwarning = _show_warning
+        try:
+            yield
+        except NoPeriod as error:
+            fail(str(error), NO_PERIOD)
+        except (RoundelayError, ValueError) as error:
+            fail(str(error))
+        except OSError as error:
+            fail(f"{error.filename or 'file'}: {error.strerror or error}")
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    typer.echo(f"roundelay: note: {message}", err=True)
+
+
+def read_capture(path: Path, skeleton: Path | None) -> Motion:
+    """Read a capture with the skeleton it needs."""
+    from roundelay.formats import read
+
+    return read(path, skeleton=skeleton)
+
+
+def frame_range(text: str | None, frames: int) -> tuple[int, int] | None:
+    """Read START:STOP; either may be left out.
+
+    Raises
+    ------
+    ValueError
+        If the text is not of this form.
+    """
+    if text is None:
+        return None
+    start, colon, stop = text.partition(":")
+    try:
+        if not colon:
+            raise ValueError
+        return int(start or 0), int(stop or frames)
+    except ValueError:
+        raise ValueError(f"expected frames as START:STOP, found {text!r}") from None
+
+
+def output_directory(path: Path) -> Path:
+    """Make the folder for the results."""
+    path.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+@contextmanager
+def progress_bar(quiet: bool) -> Iterator[Progress | None]:
+    """Show a bar on standard error while work is done, if that is a terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("{task.description}"), BarColumn())
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("reading", total=1.0)
+        yield lambda fraction, stage: bar.update(task, completed=fraction, description=stage)
+
+
+def print_json(record: dict[str, Any]) -> None:
+    """Print a record for machines."""
+    typer.echo(json.dumps(record, indent=1))

@@ -1,0 +1,53 @@
+"""``roundelay convert``: from one capture format to another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from roundelay.commands.common import (
+    Capture,
+    Frames,
+    Skeleton,
+    frame_range,
+    one_line_errors,
+    output_directory,
+    read_capture,
+)
+
+Target = Annotated[Path, typer.Argument(help="The BVH or AMC file to write.", show_default=False)]
+Fps = Annotated[float | None, typer.Option(help="Resample to this rate.", show_default=False)]
+Scale = Annotated[float, typer.Option(help="Multiply every length.")]
+
+
+def convert(
+    capture: Capture,
+    target: Target,
+    skeleton: Skeleton = None,
+    frames: Frames = None,
+    fps: Fps = None,
+    scale: Scale = 1.0,
+) -> None:
+    """Convert a capture to BVH or AMC, resampled, cropped or scaled.
+
+    An AMC gets its ASF beside it, of the same name.
+    """
+    with one_line_errors():
+        from roundelay.formats import write
+
+        motion = read_capture(capture, skeleton)
+        wanted = frame_range(frames, len(motion))
+        if wanted is not None:
+            start, stop = wanted
+            if not 0 <= start < stop <= len(motion):
+                raise ValueError(f"expected frames within 0:{len(motion)}, found {frames}")
+            motion = motion[start:stop]
+        if scale != 1.0:
+            motion = motion.scaled(scale)
+        if fps is not None:
+            motion = motion.resample(fps)
+        output_directory(target.parent)
+        write(motion, target)
+        typer.echo(f"{target}: {len(motion)} frames at {motion.fps:g} fps")

@@ -1,0 +1,203 @@
+"""``roundelay loop``: find the periodic motions of a capture and write their loops."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from roundelay.commands.common import (
+    NO_PERIOD,
+    Capture,
+    Directory,
+    Frames,
+    Json,
+    Skeleton,
+    frame_range,
+    one_line_errors,
+    output_directory,
+    print_json,
+    progress_bar,
+    read_capture,
+)
+
+if TYPE_CHECKING:
+    from roundelay.cycles.cycle import Cycle
+    from roundelay.errors import NoPeriod
+    from roundelay.motion import Motion
+    from roundelay.pipeline import Options
+
+Joints = Annotated[
+    str | None,
+    typer.Option(help="Joints that decide what repeats, with commas.", show_default=False),
+]
+Scale = Annotated[
+    float | None,
+    typer.Option(help="Scale of the circular coordinate, in body sizes.", show_default=False),
+]
+Delay = Annotated[
+    float | None,
+    typer.Option(
+        help="Seconds by which velocity is weighed against position; 0 for poses alone.",
+        show_default=False,
+    ),
+]
+Class = Annotated[int, typer.Option("--class", help="Use this bar, 0 being the longest.", min=0)]
+Prime = Annotated[int, typer.Option(help="Coefficients are integers modulo this prime.")]
+Most = Annotated[
+    int | None, typer.Option("--classes", help="At most so many loops.", min=1, show_default=False)
+]
+Harmonics = Annotated[
+    int | None, typer.Option(help="Harmonics of the cycle.", min=1, max=500, show_default=False)
+]
+InPlace = Annotated[
+    bool, typer.Option("--in-place/--travel", help="Leave the root's travel out, or keep it.")
+]
+Fps = Annotated[
+    float | None,
+    typer.Option(help="Frame rate of the loop; the capture's by default.", show_default=False),
+]
+Periods = Annotated[int, typer.Option(help="Periods in the written loop.", min=1)]
+RepeatFirst = Annotated[
+    bool, typer.Option("--repeat-first", help="Let the last frame repeat the first.")
+]
+Format = Annotated[str, typer.Option(help="bvh or amc.")]
+Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
+
+
+def loop(
+    capture: Capture,
+    output: Directory = Path("."),
+    skeleton: Skeleton = None,
+    frames: Frames = None,
+    joints: Joints = None,
+    scale: Scale = None,
+    delay: Delay = None,
+    class_index: Class = 0,
+    prime: Prime = 47,
+    classes: Most = None,
+    harmonics: Harmonics = None,
+    in_place: InPlace = False,
+    fps: Fps = None,
+    periods: Periods = 1,
+    repeat_first: RepeatFirst = False,
+    file_format: Format = "bvh",
+    picture: Picture = True,
+    json: Json = False,
+) -> None:
+    """Find the periodic motions of a capture and write a seamless loop of each.
+
+    Writes NAME_loop.bvh (NAME_loop2.bvh, ... for further motions), NAME_loop.json and
+    NAME_loop.png. Everything is automatic; the options are there to overrule it.
+
+    Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found.
+    """
+    from roundelay.errors import NoPeriod
+    from roundelay.pipeline import Options, find_cycles
+
+    with one_line_errors():
+        if file_format not in ("bvh", "amc"):
+            raise ValueError(f"expected format bvh or amc, found {file_format!r}")
+        with progress_bar(quiet=json) as progress:
+            motion = read_capture(capture, skeleton)
+            options = Options(
+                frames=frame_range(frames, len(motion)),
+                joints=None if joints is None else tuple(joints.split(",")),
+                topology=_topology(motion, prime, class_index, scale, delay),
+                harmonics=harmonics,
+                most=classes,
+            )
+            folder = output_directory(output)
+            try:
+                cycles = find_cycles(motion, options, progress=progress)
+            except NoPeriod as refusal:
+                _refuse(motion, capture, folder, options, refusal, json)
+        sampling = {
+            "fps": fps,
+            "periods": periods,
+            "in_place": in_place,
+            "repeat_first": repeat_first,
+        }
+        record = _write(motion, capture, folder, options, cycles, sampling, file_format, picture)
+        if json:
+            print_json(record)
+        else:
+            _print_summary(record, folder)
+
+
+def _topology(
+    motion: Motion, prime: int, class_index: int, scale: float | None, delay: float | None
+) -> Any:
+    from roundelay.periodicity import TopologyOptions
+
+    weighing = None if delay is None else delay * motion.fps
+    return TopologyOptions(prime=prime, class_index=class_index, scale=scale, delay=weighing)
+
+
+def _refuse(
+    motion: Motion,
+    capture: Path,
+    folder: Path,
+    options: Options,
+    refusal: NoPeriod,
+    json: bool,
+) -> None:
+    from roundelay.records import capture_record, refusal_record, write_json
+
+    record = capture_record(motion, capture, options) | refusal_record(refusal)
+    write_json(record, folder / f"{capture.stem}_loop.json")
+    if json:
+        print_json(record)
+        raise typer.Exit(NO_PERIOD)
+    raise refusal
+
+
+def _write(
+    motion: Motion,
+    capture: Path,
+    folder: Path,
+    options: Options,
+    cycles: list[Cycle],
+    sampling: dict[str, Any],
+    file_format: str,
+    picture: bool,
+) -> dict[str, Any]:
+    """Write loops, picture and record; return the record."""
+    from roundelay.formats import write
+    from roundelay.quality import quality
+    from roundelay.records import capture_record, cycle_record, write_json
+
+    base = f"{capture.stem}_loop"
+    record = capture_record(motion, capture, options) | {"sampling": sampling, "cycles": []}
+    for number, cycle in enumerate(cycles, 1):
+        path = folder / f"{base}{number if number > 1 else ''}.{file_format}"
+        sampled = cycle.sample(**sampling)
+        write(sampled, path)
+        entry = cycle_record(cycle, quality(cycle, motion), [path])
+        record["cycles"].append(entry | {"loop_frames": len(sampled)})
+    if picture:
+        from roundelay.figures import overview, save
+
+        save(overview(motion, cycles), folder / f"{base}.png")
+    write_json(record, folder / f"{base}.json")
+    return record
+
+
+def _print_summary(record: dict[str, Any], folder: Path) -> None:
+    capture = record["capture"]
+    typer.echo(
+        f"{capture['file']}: {capture['frames']} frames at {capture['fps']:g} fps, "
+        f"{capture['seconds']:.1f} s, {capture['joints']} joints"
+    )
+    for number, cycle in enumerate(record["cycles"], 1):
+        parts = ", ".join(f"{start}-{stop}" for start, stop in cycle["parts"])
+        figures = cycle["quality"]
+        typer.echo(
+            f"  motion {number}: period {cycle['period_seconds']:.2f} s "
+            f"({cycle['period_frames']:.1f} frames), {cycle['repetitions']:.2f} repetitions "
+            f"in frames {parts}; {cycle['confidence']:.0%} sure\n"
+            f"    -> {folder / cycle['files'][0]}: {cycle['loop_frames']} frames; seam "
+            f"{figures['seam_rotation']:.1f} deg (largest step elsewhere "
+            f"{figures['step_rotation']:.1f}), template error {figures['template_error']:.2f} rad"
+        )

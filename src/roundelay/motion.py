@@ -10,6 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.geometry.symmetry import (
+    lateral_axis,
+    partners,
+    reflected_rotations,
+    reflected_skeleton,
+    reflection,
+)
 from roundelay.skeleton import Skeleton
 
 __all__ = ["Motion", "concatenate"]
@@ -215,6 +222,30 @@ class Motion:
             skeleton=self.skeleton.scaled(factor),
             root_path=self.root_path * factor,
             translations=None if moved is None else moved * factor,
+        )
+
+    def mirror(self) -> Motion:
+        """Return the motion seen in a mirror: left and right joints change places.
+
+        The world is reflected in a vertical plane through the origin, the skeleton in the
+        plane between its sides; every joint goes where its partner's mirror image is. A
+        skeleton that is not symmetric comes out reflected.
+
+        Raises
+        ------
+        SkeletonMismatch
+            If a joint of one side has no partner on the other.
+        """
+        other = partners(self.skeleton)
+        across = lateral_axis(self.skeleton, other)
+        sideways = across if across != self.up else (0 if self.up else 2)
+        moved = self.translations
+        return replace(
+            self,
+            skeleton=reflected_skeleton(self.skeleton, other, across, sideways),
+            rotations=reflected_rotations(self.rotations, other, across, sideways),
+            root_path=self.root_path * reflection(sideways),
+            translations=None if moved is None else moved[:, other] * reflection(across),
         )
 
     def _with_frames(self, frames: slice) -> Motion:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from roundelay.formats import amc, bvh, bvh_writer
+from roundelay.errors import TooShort
+from roundelay.formats import acclaim_writer, amc, bvh, bvh_writer
 from roundelay.geometry.kinematics import vertical_axis
 from roundelay.motion import Motion
 from roundelay.skeleton import Skeleton
@@ -22,13 +23,13 @@ class _Format:
     """A format's reader and writer; the reader takes a skeleton where files lack their own."""
 
     read: Callable[..., Motion]
-    write: Callable[[Motion, Path], None] | None
+    write: Callable[[Motion, Path], None]
     takes_skeleton: bool = False
 
 
 _FORMATS = {
     ".bvh": _Format(bvh.read, bvh_writer.write),
-    ".amc": _Format(amc.read, None, takes_skeleton=True),
+    ".amc": _Format(amc.read, acclaim_writer.write, takes_skeleton=True),
 }
 
 
@@ -64,8 +65,9 @@ def read(
         if skeleton is not None:
             raise ValueError(f"expected no skeleton: a {path.suffix} file holds its own")
         return _upright(known.read(path))
-    is_path = skeleton is not None and not isinstance(skeleton, Skeleton)
-    return _upright(known.read(path, Path(skeleton) if is_path else skeleton))
+    if isinstance(skeleton, str | PathLike):
+        skeleton = Path(skeleton)
+    return _upright(known.read(path, skeleton))
 
 
 def _upright(motion: Motion) -> Motion:
@@ -84,11 +86,16 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
     ------
     ValueError
         If the suffix is not known.
+    TooShort
+        If the motion has no frame.
     OSError
         If the file cannot be written.
     """
     path = Path(path)
-    _known(path).write(motion, path)
+    known = _known(path)
+    if not len(motion):
+        raise TooShort("expected a motion of at least one frame, found none")
+    known.write(motion, path)
 
 
 def _known(path: Path) -> _Format:

@@ -85,12 +85,20 @@ class AcclaimLayout:
         The file's units: mass, length and angle ("deg" or "rad").
     heading : tuple of str
         Lines of the file's version, name and documentation.
+    frame_order : tuple of str
+        Bones in the order of the AMC's frames, as far as they are known.
     """
 
     bones: tuple[Bone, ...]
     position: Vector = _ZERO
     units: tuple[tuple[str, str], ...] = (("mass", "1.0"), ("length", "1.0"), ("angle", "deg"))
     heading: tuple[str, ...] = (":version 1.10", ":name roundelay")
+    frame_order: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the bones."""
+        return tuple(bone.name for bone in self.bones)
 
     @property
     def degree(self) -> float:

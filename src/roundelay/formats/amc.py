@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import compress, cycle
 from pathlib import Path
 
@@ -59,7 +59,9 @@ def read(path: Path, skeleton: Skeleton | Path | None = None) -> Motion:
     source = text.without_comments(text.load(path))
     heading = _Heading.read(source, skeleton.layout)
     table = _Table(source, heading.start, skeleton)
-    return _motion(skeleton, table.read(), heading, path.stem)
+    values = table.read()
+    layout = replace(skeleton.layout, frame_order=tuple(table.order))
+    return _motion(replace(skeleton, layout=layout), values, heading, path.stem)
 
 
 def find_skeleton(path: Path) -> Path:
@@ -135,6 +137,7 @@ class _Table:
             for (name, bone), end in zip(self.bones.items(), ends, strict=True)
         }
         self.width = ends[-1] if ends else 0
+        self.order: list[str] = []
 
     def read(self) -> Array:
         if not self.width:
@@ -144,9 +147,9 @@ class _Table:
 
     def _read_regular(self) -> Array | None:
         """Return the table if all frames are written like the first, else None."""
-        names = self._first_frame()
-        if names is None:
+        if not self._first_frame():
             return None
+        names = self.order
         pattern = [True]
         for name in names:
             pattern += [False] + [True] * len(self.columns[name])
@@ -159,21 +162,21 @@ class _Table:
             return None
         return values[:, np.argsort(order)][:, 1:]
 
-    def _first_frame(self) -> list[str] | None:
-        """Return the bones in the order of the first frame, if it is whole."""
-        names: list[str] = []
+    def _first_frame(self) -> bool:
+        """Find the bones' order in the first frame; tell whether that is whole."""
         for line in text.lines(self.cursor.source, self.start):
             if line[0].text not in self.bones:
-                if names or len(line) > 1:
+                if self.order or len(line) > 1:
                     break
                 continue
             if len(line) != 1 + len(self.columns[line[0].text]):
-                return None
-            names.append(line[0].text)
-        return names if sorted(names) == sorted(self.bones) else None
+                return False
+            self.order.append(line[0].text)
+        return sorted(self.order) == sorted(self.bones)
 
     def _blocks(self, names: list[str], pattern: list[bool]) -> list[Array] | None:
-        data, at, rest = self.cursor.source.data, self.start, []
+        data, at = self.cursor.source.data, self.start
+        rest: list[bytes] = []
         encoded = [name.encode() for name in names]
         parts = []
         while at < len(data):
@@ -196,6 +199,8 @@ class _Table:
             if line[0].text in self.bones and rows:
                 self._fill(row, missing, line)
                 continue
+            if missing and not self._is_number(line):
+                raise self.cursor.found("a bone of the skeleton with channels", line[0])
             if missing:
                 raise self.cursor.found(f"bone {min(missing)} in this frame", line[0])
             first = self._number(line, first, len(rows))
@@ -209,11 +214,16 @@ class _Table:
             )
         return np.array(rows)
 
+    @staticmethod
+    def _is_number(line: Sequence[Token]) -> bool:
+        word = line[0].text
+        return len(line) == 1 and len(word) < 16 and word.isascii() and word.isdecimal()
+
     def _number(self, line: Sequence[Token], first: int | None, count: int) -> int:
         """Check a line that starts a frame; return the number of the first frame."""
         word = line[0]
-        if len(line) > 1 or not word.text.isdecimal() or len(word.text) > 15:
-            raise self.cursor.found("a bone of the skeleton or the number of a frame", word)
+        if not self._is_number(line):
+            raise self.cursor.found("the number of a frame", word)
         if first is not None and int(word.text) != first + count:
             raise self.cursor.found(f"frame {first + count}", word)
         return int(word.text) if first is None else first

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from roundelay.formats import text
 from roundelay.formats.bvh_hierarchy import BvhLayout
-from roundelay.formats.euler import DEGREE, compose, decompose
+from roundelay.formats.euler import DEGREE, Winding, compose, decompose
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion
 from roundelay.skeleton import Skeleton
@@ -71,12 +72,14 @@ def _in_file_order(motion: Motion) -> Motion:
 
 def _walk(skeleton: Skeleton) -> Iterator[tuple[int, int]]:
     """Yield joints and their depths, each before its children."""
+    children: list[list[int]] = [[] for _ in skeleton.names]
+    for joint, parent in enumerate(skeleton.parents[1:], 1):
+        children[parent].append(joint)
     waiting = [(0, 0)]
     while waiting:
         joint, depth = waiting.pop()
         yield joint, depth
-        children = [child for child, p in enumerate(skeleton.parents) if p == joint]
-        waiting.extend((child, depth + 1) for child in reversed(children))
+        waiting.extend((child, depth + 1) for child in reversed(children[joint]))
 
 
 def _fitted_layout(motion: Motion) -> BvhLayout:
@@ -94,13 +97,14 @@ def _own_layout(skeleton: Skeleton) -> BvhLayout:
     ends = len(skeleton.end_sites)
     if (
         isinstance(layout, BvhLayout)
-        and len(layout.channels) == skeleton.n_joints
+        and len(layout.channels) == len(layout.windings) == skeleton.n_joints
         and len(layout.end_sites) == ends
     ):
         return layout
     joints = skeleton.n_joints - 1
     channels = (_POSITION + _ROTATION, *[_ROTATION] * joints)
-    return BvhLayout(channels, ("End Site",) * ends, ("continuous",) * (joints + 1))
+    windings: list[Winding] = ["continuous"] * (joints + 1)
+    return BvhLayout(channels, ("End Site",) * ends, tuple(windings))
 
 
 def _places(motion: Motion) -> Array:
@@ -148,19 +152,26 @@ def _table(motion: Motion, layout: BvhLayout) -> Array:
 
 def _hierarchy(skeleton: Skeleton, layout: BvhLayout) -> Iterator[str]:
     yield "HIERARCHY\n"
-    ends = list(zip(skeleton.end_sites, layout.end_sites, strict=True))
+    ends: list[list[tuple[str, Array]]] = [[] for _ in skeleton.names]
+    for (joint, offset), heading in zip(skeleton.end_sites, layout.end_sites, strict=True):
+        ends[joint].append((heading, offset))
     depth = 0
     for joint, level in _walk(skeleton):
         yield from _closing(depth, level)
         depth = level + 1
         tabs = "\t" * level
-        yield f"{tabs}{'JOINT' if level else 'ROOT'} {skeleton.names[joint]}\n{tabs}{{\n"
+        yield f"{tabs}{'JOINT' if level else 'ROOT'} {_plain(skeleton.names[joint])}\n{tabs}{{\n"
         yield f"{tabs}\tOFFSET {_vector(skeleton.offsets[joint])}\n"
         channels = layout.channels[joint]
         yield f"{tabs}\t{' '.join(['CHANNELS', str(len(channels)), *channels])}\n"
-        for (_, offset), heading in (end for end in ends if end[0][0] == joint):
+        for heading, offset in ends[joint]:
             yield f"{tabs}\t{heading}\n{tabs}\t{{\n{tabs}\t\tOFFSET {_vector(offset)}\n{tabs}\t}}\n"
     yield from _closing(depth, 0)
+
+
+def _plain(name: str) -> str:
+    """Return a name without what would end it or start a comment."""
+    return re.sub(r"[{}\s]+|#|//", "_", name) if re.search(r"[{}\n\r#]|//", name) else name
 
 
 def _closing(depth: int, level: int) -> Iterator[str]:

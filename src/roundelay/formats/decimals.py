@@ -73,7 +73,7 @@ def _parse_block(block: bytes) -> Array | None:
     starts, stops = edges[::2], edges[1::2]
     dots, odd = _dots(chars, starts, stops)
     signed = chars[starts] < ord(".")
-    odd |= _has_other_marks(chars, blank, starts, np.count_nonzero(signed))
+    odd |= _has_other_marks(chars, blank, starts, int(signed.sum()))
     whole, part = dots - starts - signed, np.maximum(stops - dots - 1, 0)
     odd |= (whole > 8) | (part > 8) | (whole + part > 15) | (whole + part == 0)
     whole[odd] = part[odd] = 0

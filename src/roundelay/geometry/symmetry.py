@@ -1,0 +1,123 @@
+"""Left and right: the partners of a skeleton's joints and the plane between them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.errors import SkeletonMismatch
+from roundelay.geometry import rotations as rot
+from roundelay.skeleton import Skeleton
+
+__all__ = [
+    "lateral_axis",
+    "partners",
+    "reflected_rotations",
+    "reflected_skeleton",
+    "reflection",
+]
+
+Array = NDArray[np.float64]
+Places = NDArray[np.intp]
+
+_WORD = re.compile("left|right", re.IGNORECASE)
+# L or R alone (L_Arm, arm.L, Bip01 L Thigh), before a capital (LHipJoint), or last (ArmL).
+_LETTER = re.compile(
+    r"(?<![A-Za-z])[lr](?![A-Za-z])|(?<![A-Za-z])[LR](?=[A-Z][a-z]|[^A-Za-z]|$)"
+    r"|(?<=[a-z])[LR](?![A-Za-z])"
+)
+_OTHER = {"left": "right", "right": "left", "l": "r", "r": "l"}
+
+
+def partners(skeleton: Skeleton) -> Places:
+    """Return the joint on the other side (J,) of each joint; itself for those in the middle.
+
+    Sides are told from names: Left and Right, L and R set apart or as a prefix or suffix, and
+    the prefixes of Acclaim skeletons (lfemur, rfemur).
+
+    Raises
+    ------
+    SkeletonMismatch
+        If a joint of one side has no partner, or the two hang on joints that are none.
+    """
+    names = {name: joint for joint, name in enumerate(skeleton.names)}
+    result = np.arange(len(names))
+    for name, joint in names.items():
+        other = _other_side(name)
+        if other is None and name[0] in "lr":
+            glued = _OTHER[name[0]] + name[1:]
+            other = glued if glued in names else None
+        if other is not None and other not in names:
+            raise SkeletonMismatch(f"joint {name!r} has no partner {other!r} on the other side")
+        result[joint] = joint if other is None else names[other]
+    _check_tree(skeleton, result)
+    return result
+
+
+def _other_side(name: str) -> str | None:
+    for pattern in (_WORD, _LETTER):
+        if pattern.search(name):
+            return pattern.sub(lambda match: _swapped(match.group()), name)
+    return None
+
+
+def _swapped(side: str) -> str:
+    other = _OTHER[side.lower()]
+    if side.isupper():
+        return other.upper()
+    return other.capitalize() if side[0].isupper() else other
+
+
+def _check_tree(skeleton: Skeleton, other: Places) -> None:
+    for joint, parent in enumerate(skeleton.parents[1:], 1):
+        if skeleton.parents[other[joint]] != other[parent]:
+            name, partner = skeleton.names[joint], skeleton.names[other[joint]]
+            raise SkeletonMismatch(
+                f"joint {name!r} hangs on {skeleton.names[parent]!r}, but its partner "
+                f"{partner!r} does not hang on that joint's partner"
+            )
+
+
+def lateral_axis(skeleton: Skeleton, other: Places) -> int:
+    """Return the axis from side to side: reflecting it takes each joint nearest its partner."""
+    offsets, there = skeleton.offsets[1:], skeleton.offsets[other[1:]]
+    costs = [np.sum((offsets * reflection(axis) - there) ** 2) for axis in range(3)]
+    return int(np.argmin(costs))
+
+
+def reflection(axis: int) -> Array:
+    """Return the diagonal (3,) of the reflection of one axis."""
+    return np.where(np.arange(3) == axis, -1.0, 1.0)
+
+
+def reflected_skeleton(skeleton: Skeleton, other: Places, across: int, sideways: int) -> Skeleton:
+    """Return a skeleton whose joints are their partners' reflections.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    other : (J,) ndarray of int
+        The joints' partners.
+    across, sideways : int
+        The axes to reflect, of the body and, for the root's place, of the world.
+    """
+    offsets = skeleton.offsets[other] * reflection(across)
+    offsets[0] = skeleton.offsets[0] * reflection(sideways)
+    ends = [(int(other[joint]), end * reflection(across)) for joint, end in skeleton.end_sites]
+    ordered = tuple(sorted(ends, key=lambda end: end[0]))
+    return replace(skeleton, offsets=offsets, end_sites=ordered)
+
+
+def reflected_rotations(rotations: Array, other: Places, across: int, sideways: int) -> Array:
+    """Return local rotations (F, J, 4) of the reflected skeleton, arguments as there."""
+    result = rotations[:, other]
+    # M R M turns the other way about the reflected axis.
+    result[..., 1:] *= -reflection(across)
+    if across != sideways:
+        # The root stands between world and body: W R M = (W M) (M R M), W M half a turn.
+        half_turn = np.eye(4)[1 + 3 - across - sideways]
+        result[:, 0] = rot.multiply(half_turn, result[:, 0])
+    return result

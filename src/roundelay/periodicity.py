@@ -214,7 +214,10 @@ def without_pauses(evidence: Evidence) -> list[Run]:
                 kept.append((start, first))
                 start = last
         kept.append((start, run[1]))
-    return [run for run in kept if _turned(evidence.turns, run) >= 0.75]
+    kept = [run for run in kept if _turned(evidence.turns, run) >= 0.75]
+    passed = {cell % _CELLS for run in kept for cell, _, _ in _passages(evidence.turns, run)[1:-1]}
+    # What pauses at the only passage of a cell is no pause.
+    return kept if len(passed) == _CELLS else list(evidence.runs)
 
 
 def _turned(turns: Array, run: Run) -> float:

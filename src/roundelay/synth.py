@@ -1,0 +1,254 @@
+"""Motions whose phase, period and cuts are known: an oracle for tests, an example for reading.
+
+::
+
+    made = synth.gait("walk", repetitions=2.5)
+    cycle = roundelay.find_cycles(made.motion)[0]
+    cycle.period, made.period       # nearly equal
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.geometry import rotations as rot
+from roundelay.motion import Motion, concatenate
+from roundelay.skeleton import Skeleton
+
+__all__ = ["Gait", "Synthetic", "gait", "humanoid", "sequence", "wander"]
+
+Array = NDArray[np.float64]
+Gait = Literal["walk", "run", "jacks", "punch", "spin"]
+
+# Joint: amplitudes in radians of (swing about x, raise about z) and phase of the swing.
+_SWINGS: dict[str, dict[str, tuple[float, float, float]]] = {
+    "walk": {
+        "UpLeg": (0.45, 0.04, 0.0),
+        "Leg": (0.35, 0.0, 0.2),
+        "Foot": (0.2, 0.0, 0.35),
+        "Arm": (-0.35, 0.05, 0.0),
+        "ForeArm": (-0.2, 0.0, 0.1),
+    },
+    "run": {
+        "UpLeg": (0.8, 0.05, 0.0),
+        "Leg": (0.9, 0.0, 0.25),
+        "Foot": (0.35, 0.0, 0.4),
+        "Arm": (-0.7, 0.1, 0.0),
+        "ForeArm": (-0.4, 0.0, 0.1),
+    },
+    "jacks": {"UpLeg": (0.1, 0.35, 0.0), "Leg": (0.3, 0.0, 0.5), "Arm": (0.1, 1.2, 0.0)},
+    "punch": {"Arm": (0.9, 0.3, 0.0), "ForeArm": (1.1, 0.0, 0.15), "UpLeg": (0.08, 0.0, 0.3)},
+    "spin": {"Arm": (0.1, 0.6, 0.0), "UpLeg": (0.3, 0.1, 0.0), "Leg": (0.4, 0.0, 0.1)},
+}
+# Seconds a period and body heights travelled in it.
+_PACE = {
+    "walk": (1.1, 0.75),
+    "run": (0.75, 1.4),
+    "jacks": (1.2, 0.0),
+    "punch": (0.9, 0.0),
+    "spin": (1.4, 0.0),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Synthetic:
+    """A made motion and the truth about it.
+
+    Attributes
+    ----------
+    motion : Motion
+    phase : (F,) ndarray
+        Unwrapped phase proportional to time, in periods; NaN where the motion is not periodic.
+    period : float
+        Seconds; NaN where several or none.
+    cuts : tuple of int
+        Frames at which another behaviour begins.
+    labels : tuple of str
+        One a segment: one more than cuts.
+    """
+
+    motion: Motion
+    phase: Array
+    period: float
+    cuts: tuple[int, ...] = ()
+    labels: tuple[str, ...] = ()
+
+
+def humanoid() -> Skeleton:
+    """Return a plain human skeleton of 19 joints, 1.75 tall, Y up, facing +Z."""
+    joints: list[tuple[str, int, tuple[float, float, float]]] = [
+        ("Hips", -1, (0.0, 0.0, 0.0)),
+        ("Spine", 0, (0.0, 0.12, 0.0)),
+        ("Chest", 1, (0.0, 0.2, 0.0)),
+        ("Neck", 2, (0.0, 0.22, 0.0)),
+        ("Head", 3, (0.0, 0.1, 0.02)),
+    ]
+    for side, sign in (("Left", 1.0), ("Right", -1.0)):
+        arm = len(joints)
+        joints += [
+            (f"{side}Shoulder", 2, (0.05 * sign, 0.18, 0.0)),
+            (f"{side}Arm", arm, (0.13 * sign, 0.0, 0.0)),
+            (f"{side}ForeArm", arm + 1, (0.0, -0.28, 0.0)),
+            (f"{side}Hand", arm + 2, (0.0, -0.25, 0.0)),
+        ]
+    for side, sign in (("Left", 1.0), ("Right", -1.0)):
+        leg = len(joints)
+        joints += [
+            (f"{side}UpLeg", 0, (0.09 * sign, -0.05, 0.0)),
+            (f"{side}Leg", leg, (0.0, -0.42, 0.0)),
+            (f"{side}Foot", leg + 1, (0.0, -0.4, 0.0)),
+        ]
+    names, parents, offsets = zip(*joints, strict=True)
+    ends = [("Head", (0.0, 0.18, 0.0))]
+    ends += [(f"{side}Hand", (0.0, -0.18, 0.0)) for side in ("Left", "Right")]
+    ends += [(f"{side}Foot", (0.0, -0.06, 0.18)) for side in ("Left", "Right")]
+    sites = tuple((names.index(joint), np.array(offset)) for joint, offset in ends)
+    return Skeleton(names, parents, np.array(offsets), sites)
+
+
+def gait(
+    kind: Gait = "walk",
+    *,
+    repetitions: float = 3.0,
+    period: float | None = None,
+    fps: float = 120.0,
+    start: float = 0.0,
+    turning: float = 0.0,
+    unevenness: float = 0.0,
+    noise: float = 0.0,
+    seed: int = 0,
+) -> Synthetic:
+    """Make a periodic motion.
+
+    Parameters
+    ----------
+    kind : {"walk", "run", "jacks", "punch", "spin"}
+        The spin turns the root by 360 degrees a period.
+    repetitions : float
+        How many periods.
+    period : float, optional
+        Seconds; by default what suits the kind.
+    fps : float
+        Frames a second.
+    start : float
+        Phase of the first frame.
+    turning : float
+        Radians the path turns in a period.
+    unevenness : float
+        Relative amplitude, below 1, by which the poses' pace varies within a period.
+    noise : float
+        Standard deviation of white noise on every joint, in radians.
+    seed : int
+        Of the noise and of the small details that set one seed's gait apart.
+
+    Returns
+    -------
+    Synthetic
+    """
+    if kind not in get_args(Gait):
+        raise ValueError(f"expected a gait among {get_args(Gait)}, found {kind!r}")
+    rng = np.random.default_rng(seed)
+    seconds, stride = _PACE[kind]
+    seconds = seconds if period is None else period
+    frames = max(2, round(repetitions * seconds * fps))
+    phase = start + np.arange(frames) / (seconds * fps)
+    # Poses run ahead of time and fall behind, once a period.
+    shape = phase + unevenness * np.sin(2 * np.pi * phase) / (2 * np.pi)
+    skeleton = humanoid()
+    rotations = _poses(kind, skeleton, shape, rng)
+    if noise > 0.0:
+        shake = rng.normal(scale=noise, size=(frames, skeleton.n_joints, 3))
+        rotations = rot.multiply(rotations, rot.from_rotation_vector(shake))
+    heading = turning * phase + (2 * np.pi * phase if kind == "spin" else 0.0)
+    up = np.array([0.0, 1.0, 0.0])
+    rotations[:, 0] = rot.multiply(rot.from_rotation_vector(heading[:, None] * up), rotations[:, 0])
+    path = _path(stride * 1.75, phase, turning, shape)
+    motion = Motion(skeleton, rotations, path, 1.0 / fps, name=kind)
+    return Synthetic(motion, phase, seconds, (), (kind,))
+
+
+def wander(seconds: float = 10.0, *, fps: float = 120.0, seed: int = 0) -> Synthetic:
+    """Make a motion with no period: every joint drifts about its rest by itself.
+
+    A smooth stationary process, an Ornstein-Uhlenbeck process filtered once more, with a
+    correlation time of half a second.
+    """
+    rng = np.random.default_rng(seed)
+    skeleton, frames = humanoid(), max(2, round(seconds * fps))
+    vectors = rng.normal(size=(frames + round(5 * fps), skeleton.n_joints, 3))
+    keep = np.exp(-1.0 / (0.5 * fps))
+    for _ in range(2):
+        for frame in range(1, len(vectors)):
+            vectors[frame] = keep * vectors[frame - 1] + (1.0 - keep) * vectors[frame]
+    vectors = vectors[-frames:] * (0.4 / vectors.std())
+    path = np.tile([0.0, 0.92, 0.0], (frames, 1))
+    motion = Motion(skeleton, rot.from_rotation_vector(vectors), path, 1.0 / fps, name="wander")
+    return Synthetic(motion, np.full(frames, np.nan), float("nan"), (), ("wander",))
+
+
+def sequence(*parts: Synthetic, blend: float = 0.3) -> Synthetic:
+    """Put motions one after the other, blended over `blend` seconds at each cut."""
+    motion, cuts = parts[0].motion, []
+    for part in parts[1:]:
+        cuts.append(len(motion))
+        shift = motion.root_path[-1] - part.motion.root_path[0]
+        shift[1] = 0.0
+        moved = Motion(
+            part.motion.skeleton,
+            part.motion.rotations,
+            part.motion.root_path + shift,
+            motion.frame_time,
+        )
+        motion = _blended(motion, moved, round(blend * motion.fps))
+    return Synthetic(
+        motion,
+        np.concatenate([part.phase for part in parts]),
+        parts[0].period if len(parts) == 1 else float("nan"),
+        tuple(cuts),
+        tuple(label for part in parts for label in part.labels),
+    )
+
+
+def _blended(first: Motion, second: Motion, frames: int) -> Motion:
+    """Join two motions; the second starts from the first's last pose and eases into its own."""
+    count = min(frames, len(second))
+    ease = np.linspace(0.0, 1.0, count)
+    ease = (ease * ease * (3 - 2 * ease))[:, None]
+    rotations = second.rotations.copy()
+    rotations[:count] = rot.slerp(first.rotations[-1], rotations[:count], ease)
+    eased = Motion(second.skeleton, rotations, second.root_path, second.frame_time)
+    return concatenate([first, eased])
+
+
+def _poses(kind: str, skeleton: Skeleton, shape: Array, rng: np.random.Generator) -> Array:
+    """Return rotations (F, J, 4) of a gait at unwrapped shape phases."""
+    vectors = np.zeros((len(shape), skeleton.n_joints, 3))
+    mirrored = kind in ("walk", "run", "punch")
+    for joint, name in enumerate(skeleton.names):
+        side = next((s for s in ("Left", "Right") if name.startswith(s)), "")
+        swing, lift, lag = _SWINGS[kind].get(name.removeprefix(side), (0.02, 0.01, 0.3))
+        lag += 0.5 if mirrored and side == "Right" else 0.0
+        angle = 2 * np.pi * (shape - lag)
+        detail = rng.normal(scale=0.04, size=4)
+        vectors[:, joint, 0] = swing * (np.sin(angle) + 0.25 * np.sin(2 * angle + 1.0))
+        vectors[:, joint, 0] += detail[0] * np.sin(2 * angle) + detail[1] * np.cos(3 * angle)
+        sign = -1.0 if side == "Right" else 1.0
+        vectors[:, joint, 2] = sign * lift * (1.0 - np.cos(angle)) + detail[2] * np.sin(angle)
+    return rot.from_rotation_vector(vectors)
+
+
+def _path(stride: float, phase: Array, turning: float, shape: Array) -> Array:
+    """Return a path that bends by `turning` a period, with the hips' bob."""
+    path = np.zeros((len(phase), 3))
+    # Integral of the heading (sin, 0, cos) at constant speed.
+    if abs(turning) < 1e-9:
+        path[:, 2] = stride * phase
+    else:
+        path[:, 0] = stride * (1.0 - np.cos(turning * phase)) / turning
+        path[:, 2] = stride * np.sin(turning * phase) / turning
+    path[:, 1] = 0.92 + 0.02 * np.cos(4 * np.pi * shape)
+    return path

@@ -88,10 +88,12 @@ class Evidence:
 
     @property
     def prominence(self) -> float:
-        """Length of the class's bar over the longest other one."""
+        """Length of the class's bar over the longest other one; infinite without another."""
         lengths = self.barcode.deaths - self.barcode.births
         others = np.delete(lengths, self.coordinate.class_index)
-        return float(lengths[self.coordinate.class_index] / max(others.max(initial=0.0), 1e-12))
+        longest = float(others.max(initial=0.0))
+        own = float(lengths[self.coordinate.class_index])
+        return own / longest if longest > 0.0 else float("inf")
 
     @property
     def steadiness(self) -> float:

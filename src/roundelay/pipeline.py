@@ -76,7 +76,7 @@ def find_cycles(
     Returns
     -------
     list of Cycle
-        One for each motion, the one that fills most of the capture with most certainty first.
+        One for each motion, the one most often and most surely repeated first.
 
     Raises
     ------
@@ -156,7 +156,7 @@ def _step(fps: float, frames: int) -> int:
 
 
 def _weight(evidence: Evidence) -> float:
-    return sum(stop - start for start, stop in evidence.runs) * (0.1 + evidence.confidence)
+    return evidence.repetitions * evidence.confidence
 
 
 def _judge(

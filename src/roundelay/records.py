@@ -72,7 +72,7 @@ def _evidence(evidence: Evidence) -> dict[str, Any]:
         "parts": [list(run) for run in evidence.runs],
         "repetitions": evidence.repetitions,
         "confidence": evidence.confidence,
-        "prominence": evidence.prominence,
+        "prominence": evidence.prominence if np.isfinite(evidence.prominence) else None,
         "steadiness": evidence.steadiness,
         "class": evidence.coordinate.class_index,
         "scale": evidence.coordinate.scale,
@@ -90,4 +90,4 @@ def _bars(barcode: Barcode) -> list[list[float]]:
 def write_json(record: dict[str, Any], path: Path) -> None:
     """Write a record, whole or not at all."""
     with written_beside(path) as part:
-        part.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+        part.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")

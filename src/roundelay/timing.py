@@ -60,8 +60,9 @@ def unwrap(phase: ArrayLike, runs: Sequence[Run]) -> Array:
 def line_period(turns: ArrayLike, runs: Sequence[Run]) -> float:
     """Return the period in frames as the inverse slope of a line ([C] 3.6, fig. 3.7).
 
-    Several runs share the slope and have offsets of their own. Biased for captures under two
-    periods, for the coordinate is not uniform in time: see `return_period`.
+    Several runs share the slope and have offsets of their own. On a structural coordinate it is
+    biased for captures under two periods, as that is not uniform in time (see
+    `return_period`); on a phase proportional to time (`phase_map`) it is the mean tempo.
 
     Raises
     ------

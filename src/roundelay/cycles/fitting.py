@@ -19,7 +19,7 @@ from roundelay.geometry.kinematics import heading
 from roundelay.motion import Motion
 from roundelay.periodicity import Evidence
 from roundelay.poses import principal_components
-from roundelay.timing import Run, phase_map, return_period, smooth_turns
+from roundelay.timing import Run, line_period, phase_map, smooth_turns
 
 __all__ = ["fit_cycle", "time_phase"]
 
@@ -107,7 +107,7 @@ def fit_cycle(
     TooShort
         If the runs hold no whole period.
     """
-    period = return_period(turns, runs) * motion.frame_time
+    period = line_period(turns, runs) * motion.frame_time
     count = highest_harmonic(period) if harmonics is None else harmonics
     returns = [_returns(turns, run) for run in runs]
     drift, turning = _heading_drift(motion, returns, runs)

@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from roundelay.errors import LiftError
 from roundelay.topology.distances import Runs, cross_distances
 from roundelay.topology.kernel import engine
-from roundelay.topology.kernel.reduction import F32, F64, I32
+from roundelay.topology.kernel.reduction import F64, I32, U64, count_up_to, ends
 from roundelay.topology.landmarks import extend_phase
 from roundelay.topology.lift import Lift, lift_to_integers
 from roundelay.topology.rips import Barcode
@@ -19,11 +20,13 @@ __all__ = ["CircularCoordinate", "Weights", "circular_coordinate", "turns"]
 
 Weights = Literal["density", "uniform"]
 
-SCALES = 8
 DEFAULT_LIFE = 0.7
 LARGEST_STEP = 0.45
 TOLERANCE = 1e-9
-SCOUTING_TOLERANCE = 1e-4
+SCOUTING_TOLERANCE = 1e-3
+SHARES = (0.95, 0.15, 8)
+SCOUTS = 256
+SLACK = 0.1
 
 
 @dataclass(frozen=True)
@@ -122,18 +125,33 @@ def circular_coordinate(
     LiftError
         If the class lifts to no integer cocycle.
     """
-    problem = _Smoothing.of_class(barcode, k, weights)
+    if not 0 <= k < len(barcode):
+        raise ValueError(f"expected a class from 0 to {len(barcode) - 1}, found {k}")
+    if weights not in ("density", "uniform"):
+        raise ValueError(f'expected weights "density" or "uniform", found {weights!r}')
+    birth, death = float(barcode.births[k]), _death(barcode, k)
+    if scale is not None and not birth <= scale < death:
+        raise ValueError(f"expected a scale in [{birth:g}, {death:g}), found {scale:g}")
+    lift, values = _integer_cocycle(barcode, k)
+    problem = _Smoothing(barcode._keys_below(k), values, barcode.n_points, weights)
     if scale is None:
-        scale = problem.best_scale(runs)
-    elif not problem.birth <= scale < problem.death:
-        raise ValueError(
-            f"expected a scale in [{problem.birth:g}, {problem.death:g}), found {scale:g}"
-        )
+        scale = _choose_scale(problem, barcode, k, runs)
     w, largest = problem.smooth(scale, np.zeros(barcode.n_points), TOLERANCE)
     return CircularCoordinate(
-        w % 1.0 % 1.0, k, problem.birth, problem.death, scale, weights,
-        problem.lift.multiplier, problem.lift.divisor, largest, barcode._points,
+        w % 1.0 % 1.0, k, birth, death, scale, weights, lift.multiplier, lift.divisor, largest,
+        barcode._points,
     )  # fmt: skip
+
+
+def _integer_cocycle(barcode: Barcode, k: int) -> tuple[Lift, I32]:
+    """Lift class k and evaluate it on all edges below its death."""
+    reduction, death = barcode._reduction, float(barcode.deaths[k])
+    lift = lift_to_integers(barcode._on_births(k), barcode.prime, reduction.relations, death)
+    try:
+        count = len(barcode._keys_below(k))
+        return lift, engine().propagate(reduction, count, lift.values, 0)
+    except OverflowError as error:
+        raise LiftError(f"the lift of class {k} has values beyond 15 bits on some edge") from error
 
 
 def turns(phase: F64, runs: Runs) -> tuple[float, float]:
@@ -155,55 +173,54 @@ def _wrapped(change: F64) -> F64:
 
 @dataclass(frozen=True)
 class _Smoothing:
-    """One integer cocycle, to be smoothed at several scales."""
+    """One integer cocycle on the edges below its death, to be smoothed at several scales."""
 
-    barcode: Barcode
-    birth: float
-    death: float
-    lift: Lift
+    keys: U64
     values: I32
+    n: int
     weights: Weights
-
-    @classmethod
-    def of_class(cls, barcode: Barcode, k: int, weights: Weights) -> _Smoothing:
-        if not 0 <= k < len(barcode):
-            raise ValueError(f"expected a class from 0 to {len(barcode) - 1}, found {k}")
-        if weights not in ("density", "uniform"):
-            raise ValueError(f'expected weights "density" or "uniform", found {weights!r}')
-        birth, death = float(barcode.births[k]), float(min(barcode.deaths[k], barcode.max_scale))
-        reduction = barcode._reduction
-        lift = lift_to_integers(
-            barcode._on_births(k), barcode.prime, reduction.relations, float(barcode.deaths[k])
-        )
-        values = engine().propagate(reduction, barcode._edges_below(k, None), lift.values, 0)
-        return cls(barcode, birth, death, lift, values, weights)
 
     def smooth(self, scale: float, start: F64, tolerance: float) -> tuple[F64, float]:
         """Return w (n,) and the largest |z + dw| at a scale."""
-        lengths = self.barcode._lengths
-        weight = (
-            np.ones(len(lengths)) if self.weights == "uniform" else _inverse_density(lengths, scale)
+        count = count_up_to(self.keys, scale)
+        close = count_up_to(self.keys, scale / 2) if self.weights == "density" else 0
+        return engine().harmonic(
+            self.keys[:count], self.values[:count], start, close=close, tolerance=tolerance
         )
-        return engine().harmonic(lengths, self.values, scale, weight, start, tolerance)
 
-    def best_scale(self, runs: Runs | None) -> float:
-        if runs is None:
-            return self.birth + DEFAULT_LIFE * (self.death - self.birth)
-        scales = self.birth + (self.death - self.birth) * np.linspace(0.15, 0.95, SCALES)
-        w = np.zeros(self.barcode.n_points)
-        best, best_score = float(scales[-3]), -np.inf
-        for scale in scales[::-1]:
-            w, largest = self.smooth(float(scale), w, SCOUTING_TOLERANCE)
-            net, total = turns(w, runs)
-            score = abs(net) - (total - abs(net))
-            if largest <= LARGEST_STEP and self._is_connected(scale) and score > best_score:
-                best, best_score = float(scale), score
-        return best
-
-    def _is_connected(self, scale: float) -> bool:
-        return bool((self.barcode.components <= scale).all())
+    def restricted(self, members: NDArray[np.bool_]) -> _Smoothing:
+        """Keep only the edges between some of the vertices."""
+        i, j = ends(self.keys)
+        kept = members[i] & members[j]
+        return _Smoothing(self.keys[kept], self.values[kept], self.n, self.weights)
 
 
-def _inverse_density(lengths: F32, scale: float) -> F64:
-    near = (lengths <= scale) & (lengths > 0)
-    return 1.0 / (1.0 + near.sum(axis=0) + near.sum(axis=1))
+def _choose_scale(problem: _Smoothing, barcode: Barcode, k: int, runs: Runs | None) -> float:
+    birth, life = float(barcode.births[k]), _death(barcode, k) - float(barcode.births[k])
+    if runs is None:
+        return birth + DEFAULT_LIFE * life
+    stride = -(-problem.n // SCOUTS)
+    members = np.arange(problem.n) % stride == 0
+    few = problem.restricted(members)
+    w, scores = np.zeros(problem.n), {}
+    for share in np.linspace(*SHARES):
+        scale = birth + share * life
+        w, largest = few.smooth(scale, w, SCOUTING_TOLERANCE)
+        if largest <= LARGEST_STEP and (barcode.components <= scale).all():
+            scores[share] = _score(
+                w[members], [(-(-a // stride), -(-b // stride)) for a, b in runs]
+            )
+    good = [share for share in scores if scores[share] >= max(scores.values()) - SLACK]
+    return birth + life * min(
+        good, key=lambda share: abs(share - DEFAULT_LIFE), default=DEFAULT_LIFE
+    )
+
+
+def _score(phase: F64, runs: Runs) -> float:
+    """Net turns minus twice the backward motion."""
+    net, total = turns(phase, runs)
+    return abs(net) - (total - abs(net))
+
+
+def _death(barcode: Barcode, k: int) -> float:
+    return float(min(barcode.deaths[k], barcode.max_scale))

@@ -47,7 +47,10 @@ def pairwise_distances(points: ArrayLike) -> F32:
         If there are fewer than 4.
     """
     checked = check_points(points)
-    return engine().distances((checked - checked.mean(axis=0)).astype(np.float32))
+    moved = checked - checked.mean(axis=0)
+    size = float(abs(moved).max())
+    rounded = _rounded(moved, size)
+    return _in_unit(engine().distances(rounded[:, rounded.any(axis=0)]), _unit(size))
 
 
 def cross_distances(points: ArrayLike, others: ArrayLike) -> F32:
@@ -56,9 +59,24 @@ def cross_distances(points: ArrayLike, others: ArrayLike) -> F32:
     if left.ndim != 2 or left.shape[1:] != right.shape[1:]:
         raise ValueError(f"expected points (m, {right.shape[1]}), found {left.shape}")
     centre = right.mean(axis=0)
-    return engine().distances(
-        (left - centre).astype(np.float32), (right - centre).astype(np.float32)
-    )
+    size = float(abs(right - centre).max(initial=0.0))
+    near, far = _rounded(right - centre, size), _rounded(left - centre, size)
+    return _in_unit(engine().distances(far, near), _unit(size))
+
+
+def _unit(size: float) -> np.float32:
+    """Power of two near the size of the points, or 1 where float32 holds their squares well."""
+    return np.float32(1.0 if 1e-4 < size < 1e12 or size == 0 else 2.0 ** np.frexp(size)[1])
+
+
+def _in_unit(distances: F32, unit: np.float32) -> F32:
+    return distances if unit == 1 else distances * unit
+
+
+def _rounded(points: F64, size: float) -> F32:
+    """Round to a grid finer than float32 resolves, so that no square is a (slow) denormal."""
+    step = (size or 1.0) * 2.0**-40
+    return np.asarray(np.round(points / step) * (step / _unit(size)), np.float32)
 
 
 def check_points(points: ArrayLike) -> F64:

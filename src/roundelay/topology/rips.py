@@ -12,7 +12,18 @@ from numpy.typing import ArrayLike
 from roundelay.errors import TooLarge
 from roundelay.topology.distances import check_distances, pairwise_distances
 from roundelay.topology.kernel import engine
-from roundelay.topology.kernel.reduction import F32, F64, I32, I64, Reduction, lengths_of
+from roundelay.topology.kernel.reduction import (
+    F32,
+    F64,
+    I32,
+    I64,
+    U64,
+    Reduction,
+    count_shorter,
+    count_up_to,
+    ends,
+    lengths_of,
+)
 
 __all__ = ["Barcode", "Metric", "persistent_cohomology"]
 
@@ -81,28 +92,14 @@ class Barcode:
         values : (m,) array of int32
             The value of each edge, from i to j, in [0, prime).
         """
-        count = self._edges_below(k, scale)
-        table = engine().propagate(self._reduction, count, self._on_births(k), self.prime)
-        keys = self._reduction.keys[:count]
-        i = (keys >> np.uint64(16) & np.uint64(0xFFFF)).astype(np.int32)
-        j = (keys & np.uint64(0xFFFF)).astype(np.int32)
-        return np.column_stack((i, j)), table[i, j]
+        keys = self._keys_below(k, scale)
+        values = engine().propagate(self._reduction, len(keys), self._on_births(k), self.prime)
+        return np.column_stack(ends(keys)).astype(np.int32), values
 
-    def _edges_below(self, k: int, scale: float | None) -> int:
-        """Count the edges strictly shorter than the death and at most as long as scale."""
-        keys = self._reduction.keys
-        death = np.float32(self.deaths[k])
-        count = int(np.searchsorted(keys, _key_floor(death)))
-        if scale is None:
-            return count
-        return min(
-            count,
-            int(
-                np.searchsorted(
-                    keys, _key_floor(np.nextafter(np.float32(scale), np.float32(np.inf)))
-                )
-            ),
-        )
+    def _keys_below(self, k: int, scale: float | None = None) -> U64:
+        """Edges (m,) strictly shorter than the death of class k and at most as long as scale."""
+        keys = self._reduction.keys[: count_shorter(self._reduction.keys, self.deaths[k])]
+        return keys if scale is None else keys[: count_up_to(keys, scale)]
 
     def _on_births(self, k: int) -> I64:
         """Values mod p on the births (born,): 1 on class k, 0 on older and on living ones.
@@ -211,11 +208,6 @@ def _barcode(
         births[classes], deaths[classes], merges, len(lengths), prime, max_scale,
         classes, lengths, reduction, points,
     )  # fmt: skip
-
-
-def _key_floor(length: np.float32) -> np.uint64:
-    """Return the smallest key of an edge of at least this length."""
-    return np.uint64(int(length.view(np.uint32)) << 32)
 
 
 def _check_prime(prime: int) -> None:

@@ -11,7 +11,7 @@ import warnings
 from typing import Protocol
 
 from roundelay.topology.kernel.compiled import Compiled
-from roundelay.topology.kernel.reduction import F32, F64, I32, I64, Reduction
+from roundelay.topology.kernel.reduction import F32, F64, I32, I64, U64, Reduction
 from roundelay.topology.kernel.twin import Twin
 
 __all__ = ["Engine", "engine"]
@@ -27,12 +27,16 @@ class Engine(Protocol):
         """Run the filtration up to limit; longest > 0 stops once so many bars are settled."""
 
     def propagate(self, reduced: Reduction, count: int, on_births: I64, modulus: int) -> I32:
-        """Extend a cocycle from the births to the first count edges: (n, n)."""
+        """Extend a cocycle from the births to the first count edges: (count,)."""
 
     def harmonic(
-        self, lengths: F32, values: I32, scale: float, weight: F64, start: F64, tolerance: float
+        self, keys: U64, values: I32, start: F64, *, close: int, tolerance: float
     ) -> tuple[F64, float]:
-        """Minimise the weighted norm of values + dw: w (n,) and the largest |values + dw|."""
+        """Minimise the weighted norm of values + dw over the edges.
+
+        Weights are 1 / (rho_i rho_j) with the density rho counted on the first `close` edges,
+        or 1 if that is 0. Returns w (n,), from `start` on, and the largest |values + dw|.
+        """
 
 
 @functools.cache

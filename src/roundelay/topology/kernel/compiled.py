@@ -12,6 +12,7 @@ from roundelay.topology.kernel.reduction import (
     F64,
     I32,
     I64,
+    U64,
     Columns,
     Reduction,
     bit_labels,
@@ -35,10 +36,7 @@ _SIGNATURES = {
         ctypes.c_int,
         (_POINTER, _INT, _POINTER, _INT, _POINTER, _POINTER, _INT, ctypes.c_int32, _POINTER),
     ),
-    "harmonic": (
-        _DOUBLE,
-        (_POINTER, _POINTER, _INT, _FLOAT, _POINTER, _DOUBLE, _INT, _POINTER, _POINTER),
-    ),
+    "harmonic": (_DOUBLE, (_POINTER, _POINTER, _INT, _INT, _INT, _DOUBLE, _INT, _POINTER)),
 }
 
 
@@ -132,26 +130,27 @@ class Compiled:
     def propagate(self, reduced: Reduction, count: int, on_births: I64, modulus: int) -> I32:
         """Extend a cocycle from the births to the first edges."""
         n = len(reduced.fill)
-        values = np.zeros((n, n), np.int32)
+        values = np.empty(count, np.int32)
         given = np.ascontiguousarray(on_births, np.int32)
         done = self._library.roundelay_propagate(
             reduced.keys.ctypes.data, count, reduced.fill.ctypes.data, n,
             reduced.births.ctypes.data, given.ctypes.data, len(given), modulus,
             values.ctypes.data,
         )  # fmt: skip
+        if done < 0:
+            raise MemoryError("out of memory while extending a cocycle")
         if not done:
-            raise OverflowError("values of the cocycle leave the range of 30 bits")
+            raise OverflowError("values of the cocycle leave the range of 15 bits")
         return values
 
     def harmonic(
-        self, lengths: F32, values: I32, scale: float, weight: F64, start: F64, tolerance: float
+        self, keys: U64, values: I32, start: F64, *, close: int, tolerance: float
     ) -> tuple[F64, float]:
         """Minimise the weighted norm of values + dw."""
-        n = len(lengths)
-        w, steps = start.copy(), np.zeros(1, np.int64)
+        w = start.copy()
         largest = self._library.roundelay_harmonic(
-            lengths.ctypes.data, values.ctypes.data, n, scale, weight.ctypes.data, tolerance,
-            4 * n, w.ctypes.data, steps.ctypes.data,
+            keys.ctypes.data, values.ctypes.data, len(keys), len(w), close, tolerance,
+            4 * len(w), w.ctypes.data,
         )  # fmt: skip
         if largest < 0:
             raise MemoryError("out of memory while smoothing a cocycle")

@@ -64,15 +64,15 @@ EXPORT void roundelay_rips_columns(const rips *state, int reduced, int64_t *star
 }
 
 EXPORT int roundelay_propagate(const uint64_t *keys, int64_t count, const uint16_t *fill, int64_t n,
-                               const uint64_t *births, const int32_t *birth_values, int64_t born,
+                               const uint64_t *births, const int32_t *on_births, int64_t born,
                                int32_t modulus, int32_t *values)
 {
-    return kernel()->propagate(keys, count, fill, n, births, birth_values, born, modulus, values);
+    return kernel()->propagate(keys, count, fill, n, births, on_births, born, modulus, values);
 }
 
-EXPORT double roundelay_harmonic(const float *lengths, const int32_t *values, int64_t n, float scale,
-                                 const double *weight, double tolerance, int64_t most, double *w,
-                                 int64_t *steps)
+EXPORT double roundelay_harmonic(const uint64_t *keys, const int32_t *values, int64_t count,
+                                 int64_t n, int64_t close, double tolerance, int64_t most,
+                                 double *w)
 {
-    return kernel()->harmonic(lengths, values, n, scale, weight, tolerance, most, w, steps);
+    return kernel()->harmonic(keys, values, count, n, close, tolerance, most, w);
 }

@@ -6,7 +6,7 @@
 #define LANES 16
 
 /* Distance of two rows of length d, a multiple of LANES. */
-static float distance(const float *RESTRICT x, const float *RESTRICT y, int64_t d)
+static inline float distance(const float *RESTRICT x, const float *RESTRICT y, int64_t d)
 {
     float sums[LANES] = {0};
     for (int64_t k = 0; k < d; k += LANES)
@@ -14,9 +14,10 @@ static float distance(const float *RESTRICT x, const float *RESTRICT y, int64_t 
             const float difference = x[k + lane] - y[k + lane];
             sums[lane] += difference * difference;
         }
-    for (int half = LANES / 2; half > 0; half /= 2)
-        for (int lane = 0; lane < half; ++lane) sums[lane] += sums[lane + half];
-    return sqrtf(sums[0]);
+    float halves[8], quarters[4];
+    for (int lane = 0; lane < 8; ++lane) halves[lane] = sums[lane] + sums[lane + 8];
+    for (int lane = 0; lane < 4; ++lane) quarters[lane] = halves[lane] + halves[lane + 4];
+    return sqrtf((quarters[0] + quarters[2]) + (quarters[1] + quarters[3]));
 }
 
 /* out (m, n): distances between the rows of x (m, d) and y (n, d); with upper, x is y and

@@ -7,76 +7,87 @@
 #define LANES 8
 
 typedef struct {
-    int64_t n, words;
-    uint64_t *near;          /* (n, words): neighbours */
-    const double *weight;    /* (n): an edge weighs weight[i] * weight[j] */
+    int64_t n, count;
+    const uint64_t *keys;    /* (count): the edges */
+    const int32_t *values;   /* (count): the cocycle from the lower to the higher vertex */
+    int64_t *start;          /* (n + 1): where the neighbours of a vertex begin */
+    uint16_t *near;          /* (2 * count): neighbours */
+    double *weight;          /* (n): an edge weighs weight[i] * weight[j] */
     double *diagonal;        /* (n): sum of the weights at a vertex */
-    double *scaled;          /* (64 * words): weight * vector, zero-padded */
+    double *scaled;          /* (n): weight * vector */
 } graph;
 
-static double masked_sum(const uint64_t *bits, const double *vector, int64_t words)
+/* weight[i] = 1 / (1 + edges of i among the first close ones): inverse local density. */
+static void weigh(graph *g, int64_t close)
 {
-    double sums[LANES] = {0};
-    for (int64_t word = 0; word < words; ++word) {
-        const uint64_t set = bits[word];
-        if (!set) continue;
-        const double *part = vector + 64 * word;
-        for (int shift = 0; shift < 64; shift += LANES)
-            for (int lane = 0; lane < LANES; ++lane)
-                sums[lane] += (set >> (shift + lane) & 1) ? part[shift + lane] : 0.0;
+    for (int64_t i = 0; i < g->n; ++i) g->weight[i] = 1;
+    for (int64_t k = 0; k < close; ++k) {
+        ++g->weight[key_low(g->keys[k])];
+        ++g->weight[key_high(g->keys[k])];
     }
-    return ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]));
+    for (int64_t i = 0; i < g->n; ++i) g->weight[i] = 1 / g->weight[i];
 }
 
-static void scale_vector(const graph *g, const double *vector)
+/* List the neighbours of each vertex; start[i] is shifted by one while they are filled in. */
+static void connect(graph *g)
 {
-    for (int64_t i = 0; i < g->n; ++i) g->scaled[i] = g->weight[i] * vector[i];
+    for (int64_t k = 0; k < g->count; ++k) {
+        ++g->start[key_low(g->keys[k]) + 2];
+        ++g->start[key_high(g->keys[k]) + 2];
+    }
+    for (int64_t i = 2; i <= g->n; ++i) g->start[i] += g->start[i - 1];
+    for (int64_t k = 0; k < g->count; ++k) {
+        const uint32_t i = key_low(g->keys[k]), j = key_high(g->keys[k]);
+        g->near[g->start[i + 1]++] = (uint16_t)j;
+        g->near[g->start[j + 1]++] = (uint16_t)i;
+    }
 }
 
+static double sum_near(const graph *g, int64_t i)
+{
+    double sums[4] = {0};
+    int64_t k = g->start[i];
+    for (; k + 4 <= g->start[i + 1]; k += 4)
+        for (int lane = 0; lane < 4; ++lane) sums[lane] += g->scaled[g->near[k + lane]];
+    for (; k < g->start[i + 1]; ++k) sums[0] += g->scaled[g->near[k]];
+    return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
+/* out = L vector */
 static void apply(const graph *g, const double *vector, double *out)
 {
-    scale_vector(g, vector);
+    for (int64_t i = 0; i < g->n; ++i) g->scaled[i] = g->weight[i] * vector[i];
     for (int64_t i = 0; i < g->n; ++i)
-        out[i] = g->diagonal[i] * vector[i] -
-                 g->weight[i] * masked_sum(g->near + i * g->words, g->scaled, g->words);
+        out[i] = g->diagonal[i] * vector[i] - g->weight[i] * sum_near(g, i);
 }
 
-static void connect(graph *g, const float *lengths, float scale)
+static void fill_diagonal(graph *g)
 {
-    for (int64_t i = 0; i < g->n; ++i)
-        for (int64_t j = i + 1; j < g->n; ++j)
-            if (lengths[i * g->n + j] <= scale) {
-                g->near[i * g->words + j / 64] |= (uint64_t)1 << j % 64;
-                g->near[j * g->words + i / 64] |= (uint64_t)1 << i % 64;
-            }
+    memcpy(g->scaled, g->weight, (size_t)g->n * sizeof *g->weight);
+    for (int64_t i = 0; i < g->n; ++i) g->diagonal[i] = g->weight[i] * sum_near(g, i);
+}
+
+static double change(const graph *g, int64_t k, const double *w)
+{
+    return g->values[k] + w[key_high(g->keys[k])] - w[key_low(g->keys[k])];
 }
 
 /* residual = b - L w, where b_i = sum of weight_ij * (value from i to j). */
-static void start_residual(const graph *g, const int32_t *values, const double *w, double *residual)
+static void start_residual(const graph *g, const double *w, double *residual)
 {
     memset(residual, 0, (size_t)g->n * sizeof *residual);
-    for (int64_t i = 0; i < g->n; ++i)
-        for (int64_t word = i / 64; word < g->words; ++word)
-            for (uint64_t set = g->near[i * g->words + word]; set; set &= set - 1) {
-                const int64_t j = 64 * word + lowest_bit(set);
-                if (j <= i) continue;
-                const double flow = g->weight[i] * g->weight[j] * (values[i * g->n + j] + w[j] - w[i]);
-                residual[i] += flow;
-                residual[j] -= flow;
-            }
+    for (int64_t k = 0; k < g->count; ++k) {
+        const uint32_t i = key_low(g->keys[k]), j = key_high(g->keys[k]);
+        const double flow = g->weight[i] * g->weight[j] * change(g, k, w);
+        residual[i] += flow;
+        residual[j] -= flow;
+    }
 }
 
-static double largest_value(const graph *g, const int32_t *values, const double *w)
+static double largest_change(const graph *g, const double *w)
 {
     double largest = 0;
-    for (int64_t i = 0; i < g->n; ++i)
-        for (int64_t word = i / 64; word < g->words; ++word)
-            for (uint64_t set = g->near[i * g->words + word]; set; set &= set - 1) {
-                const int64_t j = 64 * word + lowest_bit(set);
-                if (j <= i) continue;
-                const double value = fabs(values[i * g->n + j] + w[j] - w[i]);
-                if (value > largest) largest = value;
-            }
+    for (int64_t k = 0; k < g->count; ++k) largest = fmax(largest, fabs(change(g, k, w)));
     return largest;
 }
 
@@ -104,16 +115,15 @@ static double largest_of(const double *vector, int64_t n)
 }
 
 /* Preconditioned conjugate gradients from w; work holds four vectors, the residual first.
- * Stops when no vertex would move by more than the tolerance. Returns the steps taken. */
-static int64_t solve(const graph *g, double tolerance, int64_t most, double *w, double *work)
+ * Stops when no vertex would move by more than the tolerance. */
+static void solve(const graph *g, double tolerance, int64_t most, double *w, double *work)
 {
     const int64_t n = g->n;
     double *residual = work, *direction = work + n, *image = work + 2 * n, *ready = work + 3 * n;
     precondition(g, residual, ready);
     memcpy(direction, ready, (size_t)n * sizeof *direction);
     double energy = dot(residual, ready, n);
-    int64_t step = 0;
-    for (; step < most && largest_of(ready, n) > tolerance; ++step) {
+    for (int64_t step = 0; step < most && largest_of(ready, n) > tolerance; ++step) {
         apply(g, direction, image);
         const double curvature = dot(direction, image, n);
         if (!(curvature > 0)) break;
@@ -125,34 +135,30 @@ static int64_t solve(const graph *g, double tolerance, int64_t most, double *w, 
         energy = next;
         for (int64_t i = 0; i < n; ++i) direction[i] = ready[i] + ratio * direction[i];
     }
-    return step;
 }
 
-/* Minimise the sum over edges of length <= scale of
- * weight[i] weight[j] (values[i][j] + w[j] - w[i])^2, starting from w.
- * values (n, n), upper triangle. Returns the largest |values[i][j] + w[j] - w[i]|, or -1 when
- * memory runs out; *steps gets the number of iterations. */
-double VARIANT(harmonic)(const float *lengths, const int32_t *values, int64_t n, float scale,
-                         const double *weight, double tolerance, int64_t most, double *w,
-                         int64_t *steps)
+/* Minimise the sum over the edges of weight[i] weight[j] (value + w[j] - w[i])^2, from w on, with
+ * the weights 1 / local density, counted on the first close edges (all 1 when that is 0).
+ * Returns the largest |value + w[j] - w[i]|, or -1 when memory runs out. */
+double VARIANT(harmonic)(const uint64_t *keys, const int32_t *values, int64_t count, int64_t n,
+                         int64_t close, double tolerance, int64_t most, double *w)
 {
-    graph g = {n, (n + 63) / 64, NULL, weight, NULL, NULL};
-    g.near = calloc((size_t)(n * g.words), sizeof *g.near);
-    g.diagonal = calloc((size_t)n, sizeof *g.diagonal);
-    g.scaled = calloc((size_t)(64 * g.words), sizeof *g.scaled);
-    double *work = malloc((size_t)(4 * n) * sizeof *work), largest = -1;
-    if (g.near && g.diagonal && g.scaled && work) {
-        connect(&g, lengths, scale);
-        memcpy(g.scaled, weight, (size_t)n * sizeof *weight);
-        for (int64_t i = 0; i < n; ++i)
-            g.diagonal[i] = weight[i] * masked_sum(g.near + i * g.words, g.scaled, g.words);
-        start_residual(&g, values, w, work);
-        *steps = solve(&g, tolerance, most, w, work);
-        largest = largest_value(&g, values, w);
+    double largest = -1;
+    double *room = malloc((size_t)(7 * n) * sizeof *room);
+    graph g = {n, count, keys, values, calloc((size_t)n + 2, sizeof *g.start),
+               malloc((size_t)(2 * count + 1) * sizeof *g.near), room, NULL, NULL};
+    if (room && g.start && g.near) {
+        g.diagonal = room + n;
+        g.scaled = room + 2 * n;
+        weigh(&g, close);
+        connect(&g);
+        fill_diagonal(&g);
+        start_residual(&g, w, room + 3 * n);
+        solve(&g, tolerance, most, w, room + 3 * n);
+        largest = largest_change(&g, w);
     }
+    free(room);
+    free(g.start);
     free(g.near);
-    free(g.diagonal);
-    free(g.scaled);
-    free(work);
     return largest;
 }

@@ -46,8 +46,8 @@ typedef struct {
     void (*free)(rips *);
     int (*propagate)(const uint64_t *, int64_t, const uint16_t *, int64_t, const uint64_t *,
                      const int32_t *, int64_t, int32_t, int32_t *);
-    double (*harmonic)(const float *, const int32_t *, int64_t, float, const double *, double,
-                       int64_t, double *, int64_t *);
+    double (*harmonic)(const uint64_t *, const int32_t *, int64_t, int64_t, int64_t, double, int64_t,
+                       double *);
 } kernel_table;
 
 extern const kernel_table kernel_baseline;

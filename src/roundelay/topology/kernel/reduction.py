@@ -91,6 +91,23 @@ def lengths_of(keys: U64) -> F32:
     return (keys >> np.uint64(32)).astype(np.uint32).view(np.float32)
 
 
+def ends(keys: U64) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the vertices i < j of edge keys."""
+    mask = np.uint64(0xFFFF)
+    return (keys >> np.uint64(16) & mask).astype(np.intp), (keys & mask).astype(np.intp)
+
+
+def count_shorter(keys: U64, length: float) -> int:
+    """Count the edges strictly shorter than a length; keys ascending."""
+    floor = int(np.float32(length).view(np.uint32)) << 32
+    return int(np.searchsorted(keys, np.uint64(floor)))
+
+
+def count_up_to(keys: U64, length: float) -> int:
+    """Count the edges at most as long as a length; keys ascending."""
+    return count_shorter(keys, float(np.nextafter(np.float32(length), np.float32(np.inf))))
+
+
 def bit_labels(n: int) -> U16:
     """Number n vertices so that neighbours in time get far-apart numbers.
 

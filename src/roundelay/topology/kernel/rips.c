@@ -13,8 +13,10 @@
 #include "rips.h"
 
 #define SMALL_SORT 32
-#define EDGES_PER_BUCKET 32
+#define EDGES_PER_BUCKET 2048
 #define MAX_BUCKETS 65536
+#define STAGES 5
+#define AHEAD 6
 
 /* Memory ------------------------------------------------------------------------------- */
 
@@ -85,6 +87,7 @@ void VARIANT(rips_free)(rips *state)
 
 typedef struct {
     int64_t *start; /* (count + 1) */
+    int64_t *next;  /* (count): where the next key goes */
     int64_t count;
     float scale;
     uint64_t *scratch;
@@ -132,32 +135,57 @@ static void sort_bucket(const buckets *all, uint64_t *keys, int64_t which)
         radix_sort(keys + start, all->scratch, count);
 }
 
-/* Count, then scatter the edges of length <= limit; bucket b ends at start[b + 1]. */
-static int fill_buckets(buckets *all, const float *lengths, int64_t n, float limit, uint64_t *keys)
+/* Lay out buckets for the edges of length <= limit: bucket b begins at start[b]. */
+static int lay_out(buckets *all, const float *lengths, int64_t n, float limit)
 {
     int64_t largest = 0;
     for (all->count = 1; all->count < MAX_BUCKETS && all->count * 2 * EDGES_PER_BUCKET < n * n / 2;)
         all->count *= 2;
     all->scale = limit > 0 ? (float)all->count / limit : 0;
     if (!(all->scale < 1e30f)) all->scale = 0;
-    all->start = calloc((size_t)all->count + 2, sizeof *all->start);
+    all->start = calloc((size_t)all->count + 1, sizeof *all->start);
     if (!all->start) return 0;
     for (int64_t i = 0; i < n; ++i)
         for (int64_t j = i + 1; j < n; ++j)
-            if (lengths[i * n + j] <= limit) ++all->start[bucket_of(all, lengths[i * n + j]) + 2];
-    for (int64_t b = 2; b <= all->count + 1; ++b) {
+            if (lengths[i * n + j] <= limit) ++all->start[bucket_of(all, lengths[i * n + j]) + 1];
+    for (int64_t b = 1; b <= all->count; ++b) {
         if (all->start[b] > largest) largest = all->start[b];
         all->start[b] += all->start[b - 1];
     }
+    all->scratch = malloc((size_t)(largest + 1) * sizeof *all->scratch);
+    all->next = malloc((size_t)(all->count + 1) * sizeof *all->next);
+    if (all->next) memcpy(all->next, all->start, (size_t)(all->count + 1) * sizeof *all->next);
+    return all->scratch && all->next;
+}
+
+/* Put the keys of the buckets from first to last (not included) in their places. */
+static void scatter(buckets *all, const float *lengths, int64_t n, float limit, int64_t first,
+                    int64_t last, uint64_t *keys)
+{
     for (int64_t i = 0; i < n; ++i)
         for (int64_t j = i + 1; j < n; ++j) {
             const float length = lengths[i * n + j];
-            if (length <= limit)
-                keys[all->start[bucket_of(all, length) + 1]++] =
-                    edge_key(length, (uint32_t)i, (uint32_t)j);
+            if (!(length <= limit)) continue;
+            const int64_t bucket = bucket_of(all, length);
+            if (bucket >= first && bucket < last)
+                keys[all->next[bucket]++] = edge_key(length, (uint32_t)i, (uint32_t)j);
         }
-    all->scratch = malloc((size_t)(largest + 1) * sizeof *all->scratch);
-    return all->scratch != NULL;
+}
+
+/* The bucket before which at most a share of the edges lies, but at least one past first. */
+static int64_t stage_end(const buckets *all, int64_t first, int64_t stages)
+{
+    const int64_t most = all->start[first] + all->start[all->count] / stages;
+    int64_t last = first + 1;
+    while (last < all->count && all->start[last + 1] <= most) ++last;
+    return last;
+}
+
+static void free_buckets(buckets *all)
+{
+    free(all->start);
+    free(all->next);
+    free(all->scratch);
 }
 
 /* Components --------------------------------------------------------------------------- */
@@ -515,10 +543,38 @@ static int settled(const rips *state, float length, float limit)
     return limit - earliest < state->longest[state->wanted - 1];
 }
 
+/* Add the edges of one sorted bucket; 1 to stop. */
+static int add_edges(rips *state, const uint64_t *keys, int64_t last, float limit)
+{
+    while (state->processed < last) {
+        const int64_t edge = state->processed++;
+        if (edge + AHEAD < last) {
+            const uint64_t ahead = keys[edge + AHEAD];
+            PREFETCH(state->fill + key_low(ahead) * state->n + key_high(ahead));
+        }
+        add_edge(state, keys[edge]);
+        if (state->failed || settled(state, key_length(keys[edge]), limit)) return 1;
+    }
+    return 0;
+}
+
+static void run_stages(rips *state, buckets *all, float limit, uint64_t *keys)
+{
+    int64_t end = 0;
+    for (int64_t bucket = 0; bucket < all->count; ++bucket) {
+        if (bucket == end) {
+            end = stage_end(all, bucket, state->wanted ? STAGES : 1);
+            scatter(all, state->lengths, state->n, limit, bucket, end, keys);
+        }
+        sort_bucket(all, keys, bucket);
+        if (add_edges(state, keys, all->start[bucket + 1], limit)) return;
+    }
+}
+
 /* lengths (n, n), upper triangle; label (n): any numbering of the bits, best one in which
- * near points are far apart; keys with room for every edge of length <= limit, ascending on
- * return up to state->processed; fill (n, n). wanted > 0 stops once that many longest bars
- * are settled. NULL when memory runs out. */
+ * near points are far apart; keys with room for every edge, ascending on return up to
+ * state->processed; fill (n, n). wanted > 0 stops once that many longest bars are settled, and
+ * does not even sort what comes after. NULL when memory runs out. */
 rips *VARIANT(rips_run)(const float *lengths, int64_t n, const uint16_t *label, float limit,
                         uint32_t prime, int64_t wanted, uint64_t *keys, uint16_t *fill)
 {
@@ -527,15 +583,9 @@ rips *VARIANT(rips_run)(const float *lengths, int64_t n, const uint16_t *label, 
     if (!state) return NULL;
     state->prime = prime;
     state->fill = fill;
-    if (!state->failed) state->failed = !fill_buckets(&all, lengths, n, limit, keys);
-    for (int64_t b = 0; b < all.count && !state->failed; ++b) {
-        sort_bucket(&all, keys, b);
-        for (int64_t k = all.start[b]; k < all.start[b + 1] && !state->failed; ++k) add_edge(state, keys[k]);
-        state->processed = all.start[b + 1];
-        if (state->processed && settled(state, key_length(keys[state->processed - 1]), limit)) break;
-    }
-    free(all.start);
-    free(all.scratch);
+    if (!state->failed) state->failed = !lay_out(&all, lengths, n, limit);
+    if (!state->failed) run_stages(state, &all, limit, keys);
+    free_buckets(&all);
     if (!state->failed) return state;
     VARIANT(rips_free)(state);
     return NULL;
@@ -543,28 +593,40 @@ rips *VARIANT(rips_run)(const float *lengths, int64_t n, const uint16_t *label, 
 
 /* Cocycles ---------------------------------------------------------------------------------- */
 
-/* values (n, n), upper triangle: a cocycle's value on each of the edges, from its values on
- * the births (keys ascending), mod modulus, or over the integers when modulus is 0.
- * 0 when a value would leave 30 bits. */
+/* The value from a to b in a table of the upper triangle. */
+static int32_t value_from(const uint16_t *values, int64_t n, int64_t a, int64_t b, int32_t modulus)
+{
+    const uint16_t stored = values[a < b ? a * n + b : b * n + a];
+    const int32_t value = modulus ? (int32_t)stored : (int32_t)(int16_t)stored;
+    return a < b ? value : -value;
+}
+
+/* values (count): a cocycle on each edge, from its values on the births (keys ascending), mod
+ * modulus, or over the integers when modulus is 0. 1 when done, 0 when an integer would leave
+ * 15 bits, -1 when memory runs out. */
 int VARIANT(propagate)(const uint64_t *keys, int64_t count, const uint16_t *fill, int64_t n,
-                       const uint64_t *births, const int32_t *birth_values, int64_t born,
+                       const uint64_t *births, const int32_t *on_births, int64_t born,
                        int32_t modulus, int32_t *values)
 {
     int64_t birth = 0;
-    uint32_t largest = 0;
-    for (int64_t k = 0; k < count; ++k) {
-        const int64_t i = key_low(keys[k]), j = key_high(keys[k]), v = fill[i * n + j];
-        int32_t value = 0;
-        if (v == NO_VERTEX) {
-            if (birth < born && births[birth] == keys[k]) value = birth_values[birth++];
-        } else {
-            value = (i < v ? values[i * n + v] : -values[v * n + i]) +
-                    (v < j ? values[v * n + j] : -values[j * n + v]);
-        }
+    int32_t value = 0;
+    uint16_t *table = malloc((size_t)(n * n) * sizeof *table);
+    if (!table) return -1;
+    for (int64_t k = 0; k < count && value <= INT16_MAX && value >= -INT16_MAX; ++k) {
+        const int64_t i = key_low(keys[k]), j = key_high(keys[k]), through = fill[i * n + j];
+        if (k + AHEAD < count)
+            PREFETCH(fill + key_low(keys[k + AHEAD]) * n + key_high(keys[k + AHEAD]));
+        value = 0;
+        if (through != NO_VERTEX)
+            value = value_from(table, n, i, through, modulus) +
+                    value_from(table, n, through, j, modulus);
+        else if (birth < born && births[birth] == keys[k])
+            value = on_births[birth++];
         if (modulus) value = (value % modulus + modulus) % modulus;
-        largest |= (uint32_t)(value < 0 ? -value : value);
-        if (largest >> 30) return 0;
-        values[i * n + j] = value;
+        values[k] = value;
+        table[i * n + j] = (uint16_t)value;
+        if (modulus) value = 0;
     }
-    return 1;
+    free(table);
+    return value <= INT16_MAX && value >= -INT16_MAX;
 }

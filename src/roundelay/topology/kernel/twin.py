@@ -17,6 +17,7 @@ from roundelay.topology.kernel.reduction import (
     Columns,
     Reduction,
     bit_labels,
+    ends,
     lengths_of,
 )
 
@@ -26,7 +27,7 @@ Form = dict[int, int]
 """A sum of births: number -> coefficient."""
 
 _LANES = 16
-_LARGEST = 1 << 30
+_LARGEST = 32767
 
 
 class Twin:
@@ -50,36 +51,62 @@ class Twin:
 
     def propagate(self, reduced: Reduction, count: int, on_births: I64, modulus: int) -> I32:
         """Extend a cocycle from the births to the first edges, in waves of known halves."""
-        n = len(reduced.fill)
-        keys = reduced.keys[:count]
-        values, known = np.zeros((n, n), np.int64), np.eye(n, dtype=bool)
-        i, j = _ends(keys)
-        v = reduced.fill[i, j].astype(np.intp)
-        bare = v == NO_VERTEX
-        births = np.searchsorted(keys, reduced.births[reduced.births <= keys[-1:].sum()])
-        on_edges = np.zeros(count, np.int64)
-        on_edges[births] = on_births[: len(births)]
-        _store(values, known, i[bare], j[bare], on_edges[bare])
+        table = _Table.empty(len(reduced.fill), modulus)
+        i, j = ends(reduced.keys[:count])
+        through = reduced.fill[i, j].astype(np.intp)
+        given = np.zeros(count, np.int64)
+        births = np.searchsorted(reduced.keys[:count], reduced.births)
+        given[births[births < count]] = on_births[births < count]
+        bare = through == NO_VERTEX
+        table.store(i[bare], j[bare], given[bare])
         waiting = np.flatnonzero(~bare)
         while len(waiting):
-            ready = known[i[waiting], v[waiting]] & known[v[waiting], j[waiting]]
-            a, b, c = i[waiting[ready]], j[waiting[ready]], v[waiting[ready]]
-            total = values[a, c] + values[c, b]
-            _store(values, known, a, b, total % modulus if modulus else total)
-            waiting = waiting[~ready]
-        if abs(values).max() >= _LARGEST:
-            raise OverflowError("values of the cocycle leave the range of 30 bits")
-        return np.triu(values % modulus if modulus else values).astype(np.int32)
+            waiting = table.store_known(i, j, through, waiting)
+        return table.values[i, j].astype(np.int32)
 
     def harmonic(
-        self, lengths: F32, values: I32, scale: float, weight: F64, start: F64, tolerance: float
+        self, keys: U64, values: I32, start: F64, *, close: int, tolerance: float
     ) -> tuple[F64, float]:
         """Minimise the weighted norm of values + dw by preconditioned conjugate gradients."""
-        i, j = np.nonzero(np.triu(lengths <= np.float32(scale), 1))
-        edges = _Edges(i, j, values[i, j].astype(np.float64), weight[i] * weight[j], len(lengths))
+        i, j = ends(keys)
+        density = 1.0 + np.bincount(np.concatenate((i[:close], j[:close])), minlength=len(start))
+        edges = _Edges(i, j, values.astype(np.float64), 1.0 / (density[i] * density[j]), len(start))
         w = _solve(edges, start.copy(), tolerance)
-        steps = edges.values + w[j] - w[i]
-        return w, float(abs(steps).max(initial=0.0))
+        return w, float(abs(edges.values + w[j] - w[i]).max(initial=0.0))
+
+
+@dataclass(frozen=True)
+class _Table:
+    """Values of a cocycle on all pairs (n, n), antisymmetric, and which of them are known."""
+
+    values: I64
+    known: NDArray[np.bool_]
+    modulus: int
+
+    @classmethod
+    def empty(cls, n: int, modulus: int) -> _Table:
+        return cls(np.zeros((n, n), np.int64), np.eye(n, dtype=bool), modulus)
+
+    def store(self, i: NDArray[np.intp], j: NDArray[np.intp], value: I64) -> None:
+        if not self.modulus and abs(value).max(initial=0) > _LARGEST:
+            raise OverflowError("values of the cocycle leave the range of 15 bits")
+        self.values[i, j] = value % self.modulus if self.modulus else value
+        self.values[j, i] = -self.values[i, j]
+        self.known[i, j] = self.known[j, i] = True
+
+    def store_known(
+        self,
+        i: NDArray[np.intp],
+        j: NDArray[np.intp],
+        through: NDArray[np.intp],
+        waiting: NDArray[np.intp],
+    ) -> NDArray[np.intp]:
+        """Store the waiting edges of which both halves are known; return the others."""
+        a, b, c = i[waiting], j[waiting], through[waiting]
+        ready = self.known[a, c] & self.known[c, b]
+        a, b, c = a[ready], b[ready], c[ready]
+        self.store(a, b, self.values[a, c] + self.values[c, b])
+        return waiting[~ready]
 
 
 def _lanes(x: F32) -> F32:
@@ -110,18 +137,6 @@ def _length(key: int) -> np.float32:
     return np.float32(lengths_of(np.array([key], np.uint64))[0])
 
 
-def _ends(keys: U64) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    mask = np.uint64(0xFFFF)
-    return (keys >> np.uint64(16) & mask).astype(np.intp), (keys & mask).astype(np.intp)
-
-
-def _store(
-    values: I64, known: NDArray[np.bool_], i: NDArray[np.intp], j: NDArray[np.intp], value: I64
-) -> None:
-    values[i, j], values[j, i] = value, -value
-    known[i, j] = known[j, i] = True
-
-
 class _Run:
     """One run of the filtration: an edge at a time, in order."""
 
@@ -143,7 +158,7 @@ class _Run:
         self.reduced: list[tuple[Form, float]] = []
 
     def run(self, keys: U64, limit: np.float32) -> int:
-        i, j = _ends(keys)
+        i, j = ends(keys)
         length = lengths_of(keys)
         for edge in range(len(keys)):
             self._add_edge(int(i[edge]), int(j[edge]), length[edge], int(keys[edge]))

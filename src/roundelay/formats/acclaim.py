@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.formats.euler import Winding
 from roundelay.geometry import rotations as rot
 
 __all__ = ["ROOT_DOF", "AcclaimLayout", "Bone", "Vector"]
@@ -87,6 +88,9 @@ class AcclaimLayout:
         Lines of the file's version, name and documentation.
     frame_order : tuple of str
         Bones in the order of the AMC's frames, as far as they are known.
+    windings : tuple of {"principal", "positive", "continuous"}
+        Which of the equivalent angles each bone's channels give, if known; see
+        `euler.Winding`.
     """
 
     bones: tuple[Bone, ...]
@@ -94,6 +98,7 @@ class AcclaimLayout:
     units: tuple[tuple[str, str], ...] = (("mass", "1.0"), ("length", "1.0"), ("angle", "deg"))
     heading: tuple[str, ...] = (":version 1.10", ":name roundelay")
     frame_order: tuple[str, ...] = ()
+    windings: tuple[Winding, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from roundelay.formats import text
 from roundelay.formats.acclaim import AcclaimLayout, Bone
 from roundelay.formats.acclaim_bones import Rig, rig
 from roundelay.formats.amc import FRAME_TIME
-from roundelay.formats.euler import DEGREE, decompose
+from roundelay.formats.euler import DEGREE, Winding, decompose
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion
 
@@ -99,6 +99,8 @@ def _frame_order(layout: AcclaimLayout, joints: int) -> list[int]:
 def _columns(motion: Motion, layout: AcclaimLayout, joints: list[int]) -> Iterator[Array]:
     """Yield the channels (F, n) of some joints' bones, in the layout's unit of angle."""
     axes = layout.local_axes()
+    unknown: tuple[Winding, ...] = ("continuous",)
+    windings = layout.windings or unknown * len(axes)
     for joint in joints:
         bone = layout.bones[joint]
         own = np.empty((len(motion), len(bone.dof)))
@@ -106,7 +108,7 @@ def _columns(motion: Motion, layout: AcclaimLayout, joints: list[int]) -> Iterat
         if bone.turns:
             turns = motion.rotations[:, [joint]]
             local = rot.multiply(rot.multiply(rot.conjugate(axes[joint]), turns), axes[joint])
-            angles = decompose(local, bone.turns, "principal")[:, 0, ::-1]
+            angles = decompose(local, bone.turns, windings[joint])[:, 0, ::-1]
             own[:, bone.columns("r")] = angles * (DEGREE / layout.degree)
         yield own
 

@@ -10,17 +10,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.errors import FormatError
 from roundelay.formats import decimals, text
 from roundelay.formats.acclaim import AcclaimLayout
-from roundelay.formats.asf import read_skeleton
-from roundelay.formats.euler import compose
+from roundelay.formats.asf import find_skeleton, read_skeleton
+from roundelay.formats.euler import DEGREE, Winding, compose, winding
 from roundelay.formats.text import Token
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion
 from roundelay.skeleton import Skeleton
 
-__all__ = ["FRAME_TIME", "find_skeleton", "read"]
+__all__ = ["FRAME_TIME", "read"]
 
 Array = NDArray[np.float64]
 
@@ -60,38 +59,12 @@ def read(path: Path, skeleton: Skeleton | Path | None = None) -> Motion:
     heading = _Heading.read(source, skeleton.layout)
     table = _Table(source, heading.start, skeleton)
     values = table.read()
-    layout = replace(skeleton.layout, frame_order=tuple(table.order))
-    return _motion(replace(skeleton, layout=layout), values, heading, path.stem)
-
-
-def find_skeleton(path: Path) -> Path:
-    """Return the ASF that belongs to an AMC.
-
-    The one whose name begins the AMC's (the longest such), in its folder or the one above;
-    else the only one in its folder.
-
-    Raises
-    ------
-    FormatError
-        If there is none, saying where it was looked for.
-    """
-    here = _skeletons(path.parent)
-    for folder in (here, _skeletons(path.parent.parent)):
-        named = [asf for asf in folder if path.stem.lower().startswith(asf.stem.lower())]
-        if named:
-            return max(named, key=lambda asf: len(asf.stem))
-    if len(here) == 1:
-        return here[0]
-    raise FormatError(
-        f"expected its skeleton, an ASF whose name begins like {path.stem!r}, in "
-        f"{path.parent} or {path.parent.parent}, or a single ASF in {path.parent}; "
-        f"found {', '.join(asf.name for asf in here) or 'none'}",
-        path=path,
+    layout = replace(
+        skeleton.layout,
+        frame_order=tuple(table.order),
+        windings=_windings(skeleton.layout, values, heading.degree),
     )
-
-
-def _skeletons(folder: Path) -> list[Path]:
-    return sorted(file for file in folder.iterdir() if file.suffix.lower() == ".asf")
+    return _motion(replace(skeleton, layout=layout), values, heading, path.stem)
 
 
 @dataclass(frozen=True)
@@ -256,7 +229,7 @@ def _numbers(words: list[bytes], names: list[bytes], pattern: list[bool]) -> Arr
 def _motion(skeleton: Skeleton, table: Array, heading: _Heading, name: str) -> Motion:
     layout: AcclaimLayout = skeleton.layout
     axes = layout.local_axes()
-    turns = [own[::-1] for own in _columns(layout, "r")]
+    turns = _turns(layout)
     orders = [bone.turns for bone in layout.bones]
     rotations = compose(table, orders, turns, unit=heading.degree)
     # C M C^-1 turns about C times the axis of M.
@@ -265,6 +238,18 @@ def _motion(skeleton: Skeleton, table: Array, heading: _Heading, name: str) -> M
     path = np.array(layout.position) + _moves(layout, table, 0)
     translations = _translations(skeleton, table, axes)
     return Motion(skeleton, rotations, path, heading.frame_time, translations, name)
+
+
+def _windings(layout: AcclaimLayout, table: Array, degree: float) -> tuple[Winding, ...]:
+    return tuple(
+        winding(table[:, own] * (degree / DEGREE)) if len(own) == 3 else "continuous"
+        for own in _turns(layout)
+    )
+
+
+def _turns(layout: AcclaimLayout) -> list[list[int]]:
+    """Return the columns of each bone's rotation channels, as `Bone.turns` orders them."""
+    return [own[::-1] for own in _columns(layout, "r")]
 
 
 def _columns(layout: AcclaimLayout, kind: str) -> list[list[int]]:

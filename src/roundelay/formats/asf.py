@@ -16,11 +16,13 @@ from roundelay.formats.acclaim import ROOT_DOF, AcclaimLayout, Bone, Vector
 from roundelay.formats.text import Token
 from roundelay.skeleton import Skeleton
 
-__all__ = ["read_skeleton"]
+__all__ = ["find_skeleton", "read_skeleton"]
 
 Line = Sequence[Token]
 
 _MAX_DEPTH = 256
+# Squares of what is longer may overflow.
+_LONGEST = 1e100
 _DOFS = {"rx", "ry", "rz", "tx", "ty", "tz", "lx", "ly", "lz", "l"}
 _LIMIT = re.compile(r"\(\s*(\S+)\s+([^\s)]+)\s*\)")
 
@@ -37,6 +39,36 @@ def read_skeleton(path: Path) -> Skeleton:
     """
     source = text.without_comments(text.load(path))
     return _Reader(text.Cursor(source)).read()
+
+
+def find_skeleton(path: Path) -> Path:
+    """Return the ASF that belongs to an AMC.
+
+    The one whose name begins the AMC's (the longest such), in its folder or the one above;
+    else the only one in its folder.
+
+    Raises
+    ------
+    FormatError
+        If there is none, saying where it was looked for.
+    """
+    here = _skeletons(path.parent)
+    for folder in (here, _skeletons(path.parent.parent)):
+        named = [asf for asf in folder if path.stem.lower().startswith(asf.stem.lower())]
+        if named:
+            return max(named, key=lambda asf: len(asf.stem))
+    if len(here) == 1:
+        return here[0]
+    raise FormatError(
+        f"expected its skeleton, an ASF whose name begins like {path.stem!r}, in "
+        f"{path.parent} or {path.parent.parent}, or a single ASF in {path.parent}; "
+        f"found {', '.join(asf.name for asf in here) or 'none'}",
+        path=path,
+    )
+
+
+def _skeletons(folder: Path) -> list[Path]:
+    return sorted(file for file in folder.iterdir() if file.suffix.lower() == ".asf")
 
 
 @dataclass
@@ -58,11 +90,11 @@ class _Reader:
             ":hierarchy": self._hierarchy,
         }
         sections = self._sections()
-        for name, (token, body) in sections.items():
-            readers.get(name, self._heading)(token, body)
         for name in readers:
             if name not in sections and name != ":units":
                 raise self._at_end(f"a section {name}")
+        for name, (token, body) in sections.items():
+            readers.get(name, self._heading)(token, body)
         return self._skeleton()
 
     def _sections(self) -> dict[str, tuple[Token, list[Line]]]:
@@ -147,8 +179,8 @@ class _Reader:
     def _add(self, bone: Bone, name: Token) -> None:
         if bone.name in self.bones or bone.name == "root":
             raise self.cursor.found("a bone's name not used before", name)
-        if not np.all(np.isfinite(bone.end)):
-            raise self.cursor.found("a bone of finite size", name)
+        if not np.all(np.abs(bone.end) < _LONGEST):
+            raise self.cursor.found(f"a bone shorter than {_LONGEST:g}", name)
         self.bones[bone.name] = bone, name
 
     def _bone_field(self, word: str, line: Line) -> dict[str, Any]:

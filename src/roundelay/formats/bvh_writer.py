@@ -143,8 +143,8 @@ def _table(motion: Motion, layout: BvhLayout) -> Array:
         table[:, own] = places[:, joint, ["XYZ".index(axis) for axis in layout.placed[joint]]]
     columns = layout.columns("rotation")
     kinds = list(zip(layout.orders, layout.windings, strict=True))
-    for order, written in sorted(set(kinds)):
-        joints = [joint for joint, kind in enumerate(kinds) if kind == (order, written) and order]
+    for order, written in sorted({kind for kind in kinds if kind[0]}):
+        joints = [joint for joint, kind in enumerate(kinds) if kind == (order, written)]
         angles = decompose(motion.rotations[:, joints], order, written)
         table[:, [columns[joint] for joint in joints]] = angles
     return table

@@ -87,7 +87,7 @@ def decompose(rotations: Array, order: str, written: Winding) -> Array:
         if len(order) < 3:
             turned = np.abs(other[..., 2]) < np.abs(angles[..., 2])
         elif written == "positive":
-            turned = angles[..., 0] < -_ROUNDING
+            turned = (angles[..., 0] < -_ROUNDING) | (angles[..., 0] > np.pi - _ROUNDING)
         else:
             turned = _nearest_branch(angles, other, jumps)
         angles = np.where(turned[..., None], other, angles)

@@ -1,0 +1,273 @@
+"""What a BVH reader must take, and what it must refuse, saying where."""
+
+import warnings
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from roundelay import FormatError, read
+from roundelay.errors import RoundelayWarning
+from roundelay.geometry import rotations as rot
+
+BODY = """1 2 3 10 20 30 1 2 3 4 5 6
+2 3 4 11 21 31 2 3 4 5 6 7
+3 4 5 12 22 32 3 4 5 6 7 8
+"""
+
+
+def same(first, second):
+    assert first.skeleton.names == second.skeleton.names
+    np.testing.assert_allclose(first.root_path, second.root_path)
+    np.testing.assert_allclose(rot.angle_between(first.rotations, second.rotations), 0, atol=1e-9)
+    assert first.frame_time == pytest.approx(second.frame_time)
+
+
+def test_reads_what_is_written(bvh):
+    motion = read(bvh())
+    assert motion.skeleton.names == ("Hips", "Spine", "LeftLeg")
+    assert motion.skeleton.parents == (-1, 0, 0)
+    np.testing.assert_array_equal(motion.skeleton.offsets, [[0, 0, 0], [0, 10, 0], [2, -8, 0]])
+    assert [joint for joint, _ in motion.skeleton.end_sites] == [1, 2]
+    np.testing.assert_array_equal(motion.root_path, [[1, 2, 3], [2, 3, 4], [3, 4, 5]])
+    assert motion.frame_time == 0.04
+    assert motion.name == "a"
+    expected = Rotation.from_euler("ZXY", [10, 20, 30], degrees=True).as_quat()[[3, 0, 1, 2]]
+    np.testing.assert_allclose(motion.rotations[0, 0], expected)
+    expected = Rotation.from_euler("XYZ", [4, 5, 6], degrees=True).as_quat()[[3, 0, 1, 2]]
+    np.testing.assert_allclose(motion.rotations[0, 2], expected)
+
+
+SAME = {
+    "CRLF": [("\n", "\r\n")],
+    "CR": [("\n", "\r")],
+    "tabs": [("  ", "\t")],
+    "lower case": [("HIERARCHY", "hierarchy"), ("Zrotation", "zrotation"), ("ROOT", "Root")],
+    "blank lines": [("MOTION\n", "\n\nMOTION\n\n"), ("Frame Time", "\nFrame Time")],
+    "trailing blanks": [("6\n", "6   \n\n \t\n"), ("ROOT Hips", "ROOT Hips  ")],
+    "no last newline": [("7 8\n", "7 8")],
+    "comments": [("HIERARCHY", "# made by hand {\nHIERARCHY"), ("Hips\n", "Hips // root\n")],
+    "comment in body": [("2 3 4 11", "# frame 2\n2 3 4 11")],
+    "braces on the line": [("Hips\n{", "Hips {"), ("Spine\n  {", "Spine{")],
+    "end site": [("End Site", "End site")],
+    "end site joined": [("End Site", "EndSite")],
+    "end site bare": [("End Site", "END")],
+    "end site named": [("End Site", "End Site LeftToe")],
+    "no colon blanks": [("Frames: 3", "Frames:3"), ("Frame Time: 0.04", "Frame Time:0.04")],
+    "tab after colon": [("Frames: 3", "Frames:\t3"), ("Frame Time: ", "frame time:\t")],
+    "no leading zero": [("0.04", ".04")],
+    "exponent": [("0.04", "4E-2"), ("1 2 3 10", "1e0 .2E+1 300e-002 +10.")],
+    "one line": [("6\n2 3 4", "6 2 3 4"), ("7\n3 4 5", "7 3 4 5")],
+    "several lines": [("30 1 2 3", "30\n1\n2 3"), ("7 8\n", "\n7\n8\n")],
+    "channels before offset": [
+        (
+            "OFFSET 0 10 0\n    CHANNELS 3 Zrotation Xrotation Yrotation",
+            "CHANNELS 3 Zrotation Xrotation Yrotation\n    OFFSET 0 10 0",
+        )
+    ],
+}
+
+
+@pytest.mark.parametrize("changes", SAME.values(), ids=SAME)
+def test_takes_oddities(bvh, changes):
+    plain = read(bvh())
+    text = bvh().read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    same(read(bvh(text=text)), plain)
+
+
+def test_takes_a_byte_order_mark(bvh):
+    plain = read(bvh())
+    same(read(bvh(text=b"\xef\xbb\xbf" + bvh().read_bytes())), plain)
+
+
+def test_names_may_hold_blanks_and_any_letters(bvh):
+    motion = read(bvh(("JOINT Spine", "JOINT Bip01 L Oberkörper")))
+    assert motion.skeleton.names[1] == "Bip01 L Oberkörper"
+
+
+def test_rotations_before_positions(bvh):
+    channels = "Xposition Yposition Zposition Zrotation Xrotation Yrotation"
+    turned = "Zrotation Xrotation Yrotation Xposition Yposition Zposition"
+    plain = read(bvh())
+    changed = [(channels, turned)]
+    changed += [(f"{a} {b}", f"{b} {a}") for a, b in (("1 2 3", "10 20 30"), ("2 3 4", "11 21 31"))]
+    same(read(bvh(*changed, ("3 4 5 12 22 32", "12 22 32 3 4 5"))), plain)
+
+
+def test_fewer_channels(bvh):
+    motion = read(
+        bvh(
+            ("CHANNELS 3 Zrotation Xrotation Yrotation", "CHANNELS 1 Xrotation"),
+            ("CHANNELS 3 Xrotation Yrotation Zrotation", "CHANNELS 0"),
+            ("30 1 2 3 4 5 6", "30 90"),
+            ("31 2 3 4 5 6 7", "31 90"),
+            ("32 3 4 5 6 7 8", "32 90"),
+        )
+    )
+    np.testing.assert_allclose(motion.rotations[:, 1], [[0.5**0.5, 0.5**0.5, 0, 0]] * 3)
+    np.testing.assert_allclose(motion.rotations[:, 2], [[1, 0, 0, 0]] * 3)
+
+
+def test_a_root_without_positions_stands_at_its_offset(bvh):
+    motion = read(
+        bvh(
+            ("OFFSET 0 0 0", "OFFSET 7 8 9"),
+            ("6 Xposition Yposition Zposition", "3"),
+            (BODY, "10 20 30 1 2 3 4 5 6\n" * 3),
+        )
+    )
+    np.testing.assert_array_equal(motion.root_path, [[7, 8, 9]] * 3)
+
+
+def test_positions_of_a_joint_replace_its_offset(bvh):
+    motion = read(
+        bvh(
+            ("CHANNELS 3 Zrotation Xrotation Yrotation", "CHANNELS 2 Yposition Xrotation"),
+            (BODY, "0 0 0 0 0 0 10 0 0 0 0\n" * 2 + "0 0 0 0 0 0 12 0 0 0 0\n"),
+        )
+    )
+    np.testing.assert_array_equal(motion.translations[:, 1], [[0, 10, 0], [0, 10, 0], [0, 12, 0]])
+    np.testing.assert_array_equal(motion.translations[:, 2], [[2, -8, 0]] * 3)
+
+
+def test_positions_that_stay_at_the_offset_are_no_translations(bvh):
+    motion = read(
+        bvh(
+            ("CHANNELS 3 Zrotation Xrotation Yrotation", "CHANNELS 2 Yposition Xrotation"),
+            (BODY, "0 0 0 0 0 0 10 0 0 0 0\n" * 3),
+        )
+    )
+    assert motion.translations is None
+
+
+def test_one_line_too_many_is_left_out_with_a_warning(bvh):
+    with pytest.warns(RoundelayWarning, match="one frame more than the 3 promised"):
+        motion = read(bvh(text=bvh().read_text() + "4 5 6 13 23 33 4 5 6 7 8 9\n"))
+    assert len(motion) == 3
+
+
+REFUSED = {
+    "no hierarchy": ([("HIERARCHY\n", "")], 1, 1, "expected HIERARCHY, found 'ROOT'"),
+    "no root": ([("ROOT Hips\n", "")], 2, 1, "expected ROOT, found '{'"),
+    "no root name": ([("ROOT Hips", "ROOT")], 3, 1, "expected a joint's name, found '{'"),
+    "two roots": ([("JOINT Spine", "ROOT Spine")], 6, 3, "expected OFFSET, CHANNELS, JOINT"),
+    "unknown word": ([("JOINT Spine", "BONE Spine")], 6, 3, "found 'BONE'"),
+    "duplicate joint": ([("LeftLeg", "Spine")], 15, 9, "not used before, found 'Spine'"),
+    "unknown channel": ([("Zrotation Xr", "Wrotation Xr")], 5, 44, "found 'Wrotation'"),
+    "channel twice": ([("Zrotation Xr", "Yrotation Xr")], 5, 64, "expected each channel once"),
+    "channel count": ([("CHANNELS 3 X", "CHANNELS 4 X")], 19, 5, "like Xposition"),
+    "too few counted": ([("CHANNELS 3 X", "CHANNELS 2 X")], 18, 36, "found 'Zrotation'"),
+    "count no number": ([("CHANNELS 3 X", "CHANNELS x X")], 18, 14, "from 0 to 6"),
+    "huge count": ([("CHANNELS 3 X", "CHANNELS 999999999999 X")], 18, 14, "from 0 to 6"),
+    "offset twice": ([("OFFSET 0 10 0", "OFFSET 0 10 0 OFFSET 1 1 1")], 8, 19, "no further OFFSET"),
+    "no offset": ([("    OFFSET 0 10 0\n", "")], 13, 3, "expected OFFSET before, found '}'"),
+    "no channels": (
+        [("    CHANNELS 3 Xrotation Yrotation Zrotation\n", "")],
+        22,
+        3,
+        "expected CHANNELS before",
+    ),
+    "offset short": ([("OFFSET 0 10 0", "OFFSET 0 10")], 9, 5, "found 'CHANNELS'"),
+    "offset nan": ([("OFFSET 0 10 0", "OFFSET 0 nan 0")], 8, 14, "found 'nan'"),
+    "offset hex": ([("OFFSET 0 10 0", "OFFSET 0 0x10 0")], 8, 14, "found '0x10'"),
+    "offset underscore": ([("OFFSET 0 10 0", "OFFSET 0 1_0 0")], 8, 14, "found '1_0'"),
+    "joint in end site": ([("OFFSET 0 5 0", "JOINT X")], 12, 7, "in an end site"),
+    "brace missing": ([("  }\n}\nMOTION", "}\nMOTION")], 24, 1, "found 'MOTION'"),
+    "brace too many": ([("}\nMOTION", "}\n}\nMOTION")], 25, 1, "expected MOTION, found '}'"),
+    "open brace missing": ([("Spine\n  {\n", "Spine\n")], 7, 5, "expected {, found 'OFFSET'"),
+    "no motion": ([("MOTION\n", "")], 25, 1, "expected MOTION, found 'Frames:'"),
+    "no frames": ([("Frames: 3\n", "")], 26, 1, "expected Frames: and a whole number"),
+    "frames float": ([("Frames: 3", "Frames: 3.0")], 26, 1, "whole number"),
+    "frames negative": ([("Frames: 3", "Frames: -3")], 26, 1, "whole number"),
+    "frames zero": ([("Frames: 3", "Frames: 0")], 26, 1, "at least one frame"),
+    "frames too many": ([("Frames: 3", "Frames: 4")], 30, 27, "expected 4 frames of 12 numbers"),
+    "frames too few": ([("Frames: 3", "Frames: 1")], 30, 27, "found 3 frames"),
+    "frames huge": ([("Frames: 3", "Frames: 1000000000000")], 30, 27, "found 3 frames"),
+    "frames enormous": ([("Frames: 3", "Frames: " + "9" * 5000)], 30, 27, "found 3 frames"),
+    "no time": ([("Frame Time: 0.04\n", "")], 27, 1, "expected Frame Time: and a positive"),
+    "time zero": ([("0.04", "0")], 27, 13, "expected a positive frame time, found '0'"),
+    "time negative": ([("0.04", "-0.04")], 27, 13, "found '-0.04'"),
+    "time nan": ([("0.04", "nan")], 27, 13, "found 'nan'"),
+    "time infinite": ([("0.04", "1e999")], 27, 13, "found '1e999'"),
+    "value nan": ([("11 21 31", "11 nan 31")], 29, 10, "expected a number, found 'nan'"),
+    "value inf": ([("11 21 31", "11 -inf 31")], 29, 10, "found '-inf'"),
+    "value overflow": ([("11 21 31", "11 1e999 31")], 29, 10, "found '1e999'"),
+    "value word": ([("11 21 31", "11 x 31")], 29, 10, "found 'x'"),
+    "value comma": ([("11 21 31", "11 2,1 31")], 29, 10, "found '2,1'"),
+    "value glued": ([("11 21 31", "11 21-31")], 29, 10, "found '21-31'"),
+    "value two points": ([("11 21 31", "11 2.1.3 31")], 29, 10, "found '2.1.3'"),
+    "value missing": ([("11 21 31", "11 21")], 29, 24, "expected 12 numbers in a frame, found 11"),
+    "value extra": ([("11 21 31", "11 21 31 0")], 29, 29, "12 numbers in a frame, found 13"),
+}
+
+
+@pytest.mark.parametrize(("changes", "line", "column", "message"), REFUSED.values(), ids=REFUSED)
+def test_refuses(bvh, changes, line, column, message):
+    path = bvh(*changes)
+    with pytest.raises(FormatError) as caught:
+        read(path)
+    assert (caught.value.line, caught.value.column) == (line, column), str(caught.value)
+    assert message in str(caught.value)
+    assert str(caught.value).startswith(f"{path}:{line}:{column}: ")
+
+
+BYTES = {
+    "empty": (b"", 1, 1, "empty file"),
+    "blank": (b" \n\n ", 1, 1, "empty file"),
+    "UTF-16": ("HIERARCHY".encode("utf-16"), 1, 1, "found UTF-16"),
+    "binary": (b"HIERARCHY\nROOT\x00\x01\x02", 2, 5, "found byte 0x00"),
+    "Latin-1": (b"HIERARCHY\nROOT H\xfcfte\n{\n", 2, 7, "found byte 0xfc"),
+    "header only": (b"HIERARCHY\n", 1, 10, "expected ROOT, found the end of the file"),
+}
+
+
+@pytest.mark.parametrize(("data", "line", "column", "message"), BYTES.values(), ids=BYTES)
+def test_refuses_bytes(bvh, data, line, column, message):
+    with pytest.raises(FormatError) as caught:
+        read(bvh(text=data))
+    assert (caught.value.line, caught.value.column) == (line, column), str(caught.value)
+    assert message in str(caught.value)
+
+
+def test_refuses_a_skeleton_deeper_than_sense(bvh):
+    depth = 100_000
+    text = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 0\n"
+    text += "".join(f"JOINT j{i}\n{{\nOFFSET 0 0 0\nCHANNELS 0\n" for i in range(depth))
+    with pytest.raises(FormatError, match="at most 256 deep"):
+        read(bvh(text=text))
+
+
+def test_refuses_a_motion_much_larger_than_its_file(bvh):
+    joints = "".join(f"JOINT j{i}\n{{\nOFFSET 0 0 0\nCHANNELS 0\n}}\n" for i in range(3000))
+    text = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n" + joints
+    text += "}\nMOTION\nFrames: 2000\nFrame Time: 0.1\n" + "1\n" * 2000
+    with pytest.raises(FormatError, match="channels on most of the joints"):
+        read(bvh(text=text))
+
+
+def test_no_channels_at_all_is_no_motion(bvh):
+    text = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 0\n}\nMOTION\nFrames: 1000000000000\n"
+    with pytest.raises(FormatError, match="at least one frame and one channel"):
+        read(bvh(text=text))
+
+
+def test_every_prefix_is_refused_or_says_that_frames_are_missing(bvh):
+    whole = bvh().read_bytes().rstrip()
+    for stop in range(len(whole) - 1):
+        with pytest.raises(FormatError):
+            read(bvh(text=whole[:stop]))
+
+
+def test_the_bundled_captures(captures):
+    jumps = read(captures / "01_01.bvh")
+    assert (len(jumps), jumps.skeleton.n_joints) == (2752, 31)
+    assert jumps.fps == pytest.approx(120, rel=1e-5)
+    with pytest.warns(RoundelayWarning, match="one frame more"):
+        boxing = read(captures / "Boxing_Toes.bvh")
+    assert (len(boxing), boxing.skeleton.n_joints) == (3069, 21)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(read(captures / "01_03.bvh")) == 4511

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import accumulate, pairwise
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,10 +16,13 @@ from roundelay.errors import TooShort
 from roundelay.topology.kernel import engine
 from roundelay.topology.kernel.reduction import F32, F64
 
-__all__ = ["Runs", "cross_distances", "delay_distances", "pairwise_distances"]
+__all__ = ["Metric", "Runs", "cross_distances", "delay_distances", "pairwise_distances"]
 
 Runs = Sequence[tuple[int, int]]
 """Half-open ranges [start, stop) of consecutive frames; no motion is counted between two."""
+
+Metric = Literal["euclidean", "precomputed"]
+"""Whether data are points (n, d) or their distances (n, n)."""
 
 FEWEST_POINTS = 4
 
@@ -46,11 +49,16 @@ def pairwise_distances(points: ArrayLike) -> F32:
     TooShort
         If there are fewer than 4.
     """
-    checked = check_points(points)
-    moved = checked - checked.mean(axis=0)
+    rounded, unit = rounded_points(check_points(points))
+    return in_unit(engine().distances(rounded), unit)
+
+
+def rounded_points(points: F64) -> tuple[F32, np.float32]:
+    """Return points (n, d) centred, without constant columns, and the unit they are in."""
+    moved = points - points.mean(axis=0)
     size = float(abs(moved).max())
     rounded = _rounded(moved, size)
-    return _in_unit(engine().distances(rounded[:, rounded.any(axis=0)]), _unit(size))
+    return rounded[:, rounded.any(axis=0)], _unit(size)
 
 
 def cross_distances(points: ArrayLike, others: ArrayLike) -> F32:
@@ -61,7 +69,7 @@ def cross_distances(points: ArrayLike, others: ArrayLike) -> F32:
     centre = right.mean(axis=0)
     size = float(abs(right - centre).max(initial=0.0))
     near, far = _rounded(right - centre, size), _rounded(left - centre, size)
-    return _in_unit(engine().distances(far, near), _unit(size))
+    return in_unit(engine().distances(far, near), _unit(size))
 
 
 def _unit(size: float) -> np.float32:
@@ -69,7 +77,8 @@ def _unit(size: float) -> np.float32:
     return np.float32(1.0 if 1e-4 < size < 1e12 or size == 0 else 2.0 ** np.frexp(size)[1])
 
 
-def _in_unit(distances: F32, unit: np.float32) -> F32:
+def in_unit(distances: F32, unit: np.float32) -> F32:
+    """Return distances of rounded points in the unit of the data."""
     return distances if unit == 1 else distances * unit
 
 
@@ -77,6 +86,12 @@ def _rounded(points: F64, size: float) -> F32:
     """Round to a grid finer than float32 resolves, so that no square is a (slow) denormal."""
     step = (size or 1.0) * 2.0**-40
     return np.asarray(np.round(points / step) * (step / _unit(size)), np.float32)
+
+
+def check_metric(metric: str) -> None:
+    """Raise ValueError for a metric that is none."""
+    if metric not in ("euclidean", "precomputed"):
+        raise ValueError(f'expected metric "euclidean" or "precomputed", found {metric!r}')
 
 
 def check_points(points: ArrayLike) -> F64:

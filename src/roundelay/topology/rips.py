@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from roundelay.errors import TooLarge
-from roundelay.topology.distances import check_distances, pairwise_distances
+from roundelay.topology.distances import (
+    Metric,
+    check_distances,
+    check_metric,
+    pairwise_distances,
+)
 from roundelay.topology.kernel import engine
 from roundelay.topology.kernel.reduction import (
     F32,
@@ -25,9 +29,7 @@ from roundelay.topology.kernel.reduction import (
     lengths_of,
 )
 
-__all__ = ["Barcode", "Metric", "persistent_cohomology"]
-
-Metric = Literal["euclidean", "precomputed"]
+__all__ = ["Barcode", "persistent_cohomology"]
 
 MOST_POINTS = 65535
 LARGEST_PRIME = 46337
@@ -54,6 +56,8 @@ class Barcode:
         The coefficients are the integers modulo this prime.
     max_scale : float
         Largest scale of the filtration.
+    is_complete : bool
+        Whether these are all bars, not only the longest.
     """
 
     births: F64
@@ -62,6 +66,7 @@ class Barcode:
     n_points: int
     prime: int
     max_scale: float
+    is_complete: bool
     _classes: I64 = field(repr=False)
     _lengths: F32 = field(repr=False)
     _reduction: Reduction = field(repr=False)
@@ -164,6 +169,8 @@ def persistent_cohomology(
     _check_prime(prime)
     if longest is not None and longest < 1:
         raise ValueError(f"expected longest of at least 1, found {longest}")
+    if max_scale is not None and not max_scale >= 0:
+        raise ValueError(f"expected a max_scale of at least 0, found {max_scale}")
     lengths = _lengths(data, metric)
     radius = enclosing_radius(lengths)
     limit = radius if max_scale is None else float(np.float32(max_scale))
@@ -179,8 +186,7 @@ def enclosing_radius(lengths: F32) -> float:
 
 
 def _lengths(data: ArrayLike, metric: Metric) -> F32:
-    if metric not in ("euclidean", "precomputed"):
-        raise ValueError(f'expected metric "euclidean" or "precomputed", found {metric!r}')
+    check_metric(metric)
     n = len(np.asarray(data)) if np.ndim(data) else 0
     check_memory(n)
     lengths = pairwise_distances(data) if metric == "euclidean" else check_distances(data)
@@ -205,7 +211,7 @@ def _barcode(
     classes = classes[order][:longest]
     merges = reduction.merges.astype(np.float64)
     return Barcode(
-        births[classes], deaths[classes], merges, len(lengths), prime, max_scale,
+        births[classes], deaths[classes], merges, len(lengths), prime, max_scale, longest is None,
         classes, lengths, reduction, points,
     )  # fmt: skip
 

@@ -56,7 +56,8 @@ def _load() -> ctypes.CDLL:
 
 def _padded(x: F32) -> F32:
     """Return rows of a length that is a multiple of the kernel's 16 lanes."""
-    return np.ascontiguousarray(np.pad(x, ((0, 0), (0, -x.shape[1] % 16))), dtype=np.float32)
+    lacking = -x.shape[1] % 16
+    return np.ascontiguousarray(np.pad(x, ((0, 0), (0, lacking))) if lacking else x, np.float32)
 
 
 class Compiled:

@@ -3,8 +3,6 @@ from pathlib import Path
 
 import pytest
 
-CAPTURES = Path(__file__).parents[2] / "data" / "captures"
-
 BVH = """HIERARCHY
 ROOT Hips
 {
@@ -99,11 +97,6 @@ root 2 3 4 11 21 31
 lfemur 6 7 8
 ltibia 9
 """
-
-
-@pytest.fixture(scope="session")
-def captures() -> Path:
-    return CAPTURES
 
 
 @pytest.fixture

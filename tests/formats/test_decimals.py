@@ -34,11 +34,10 @@ def test_blocks_join_without_a_seam(monkeypatch):
         np.testing.assert_array_equal(decimals.parse(text), numbers)
 
 
-WORDS = """1-2 1.2.3 . - + +. -. .. 1e e5 E 1e+ nan inf -inf 1_0 0x1A --1 1+ 1,5 1e400 1.5e3.2
-1\x00 ٣""".split()
+WORDS = "1-2 1.2.3 . - + +. -. .. 1e e5 E 1e+ nan inf -inf 1_0 0x1A --1 1+ 1,5 1e400 1.5e3.2 \0 ٣"
 
 
-@pytest.mark.parametrize("word", [*WORDS, "1" * 5000])
+@pytest.mark.parametrize("word", [*WORDS.split(), "1" * 5000])
 def test_words_that_are_no_numbers(word):
     assert decimals.parse(b"1 2 " + word.encode() + b" 3") is None
     assert not decimals.is_number(word.encode())

@@ -35,6 +35,8 @@ Array = NDArray[np.float64]
 _AXES = {"X": 0, "Y": 1, "Z": 2}
 # Below this angle (radians) sine and cosine quotients are taken from their series.
 _SMALL = 1e-4
+# Nearer than this to gimbal lock only the sum or difference of two Euler angles is defined.
+_LOCK = 1e-10
 
 
 def identity(*shape: int) -> Array:
@@ -161,20 +163,16 @@ def to_euler(quaternions: ArrayLike, order: str) -> Array:
     sign = 1.0 if (j - i) % 3 == 1 else -1.0
     q = np.asarray(quaternions, float)
     w, a, b, c = q[..., 0], q[..., 1 + i], q[..., 1 + j], sign * q[..., 1 + k]
-    # Entries of the matrix in the frame (i, j, k), where the order is x-y-z.
-    sine = np.clip(2.0 * (w * b + a * c), -1.0, 1.0)
-    first = np.arctan2(2.0 * (w * a - b * c), 1.0 - 2.0 * (a * a + b * b))
-    third = np.arctan2(2.0 * (w * c - a * b), 1.0 - 2.0 * (b * b + c * c))
-    # Near the pole arcsin loses half the digits: take the angle from both legs.
-    cosine = np.hypot(1.0 - 2.0 * (b * b + c * c), 2.0 * (w * c - a * b))
-    second = np.arctan2(sine, cosine)
-    lock = cosine < 1e-9
-    first = np.where(lock, 2.0 * np.arctan2(a, w), first)
-    third = np.where(lock, 0.0, third)
-    result = np.stack([first, second, sign * third], axis=-1)
-    result = np.where(result <= -np.pi, result + 2 * np.pi, result)
-    result[..., 0] = np.where(result[..., 0] > np.pi, result[..., 0] - 2 * np.pi, result[..., 0])
-    return result
+    # With half angles: w + b and a + c are (cos j + sin j) times cosine and sine of i + k,
+    # w - b and a - c are (cos j - sin j) times those of i - k. No digits are lost at the poles.
+    upper, lower = np.hypot(w + b, a + c), np.hypot(w - b, a - c)
+    total, difference = np.arctan2(a + c, w + b), np.arctan2(a - c, w - b)
+    total = np.where(upper < _LOCK, difference, total)
+    difference = np.where(lower < _LOCK, total, difference)
+    second = 0.5 * np.pi - 2.0 * np.arctan2(lower, upper)
+    result = np.stack([total + difference, second, sign * (total - difference)], axis=-1)
+    result = np.where(result > np.pi, result - 2.0 * np.pi, result)
+    return np.where(result <= -np.pi, result + 2.0 * np.pi, result)
 
 
 def _axis(letter: str) -> int:

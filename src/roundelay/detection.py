@@ -27,6 +27,8 @@ _RETURNED = 0.2
 # Seconds over which poses are compared, to either side of a frame: long enough to tell a leg
 # going forward from one going back, short against the fastest cycles (.3 s).
 _WINDOW = 0.1
+# Lags of one motion stay within this factor of their median.
+_DRIFT = 1.6
 # Two parts show one motion if typical poses of each, velocities included, come this near to
 # poses of the other, squared and over the width of the loop.
 _ALIKE = 0.1
@@ -100,7 +102,8 @@ def candidate_parts(
     apart = lag_distances(x, reach)
     ratio = _return_ratio(_averaged(apart, round(_WINDOW * fps)))
     arc = np.concatenate([[0.0], np.cumsum(np.sqrt(apart[:-1, 1]))])
-    tracks = _link(_valleys(ratio, max(2, int(shortest * fps))))
+    linked = _link(_valleys(ratio, max(2, int(shortest * fps))))
+    tracks = [steady for track in linked for steady in _steady_stretches(track)]
     parts = [_part(track, ratio, arc) for track in tracks]
     return _choose([part for part in parts if _credible(part)])
 
@@ -163,6 +166,17 @@ def _link(valleys: list[NDArray[np.intp]], jump: int = 2, gap: int = 3) -> list[
     return [np.array(track) for track in finished + live if len(track) >= 3]
 
 
+def _steady_stretches(track: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """Split a track where its lag leaves what is typical of it: there it changed its motion."""
+    lags = track[:, 1]
+    typical = np.median(lags)
+    within = (lags > typical / _DRIFT) & (lags < typical * _DRIFT)
+    if within.all():
+        return [track]
+    pieces = np.split(track, np.flatnonzero(np.diff(within)) + 1)
+    return [steady for piece in pieces if len(piece) >= 3 for steady in _steady_stretches(piece)]
+
+
 def _part(track: NDArray[np.intp], ratio: Array, arc: Array) -> Part:
     frames, lags = track[:, 0], track[:, 1]
     loop = float(np.median(arc[frames + lags] - arc[frames]))
@@ -209,7 +223,7 @@ def recurring_groups(points: ArrayLike, parts: list[Part]) -> list[list[Part]]:
     x = np.asarray(points, float)
     groups: list[list[Part]] = []
     for part in parts:
-        home = next((g for g in groups if _alike(x, g[0], part)), None)
+        home = next((g for g in groups if _alike(x, g, part)), None)
         if home is None:
             groups.append([part])
         else:
@@ -217,17 +231,26 @@ def recurring_groups(points: ArrayLike, parts: list[Part]) -> list[list[Part]]:
     return [sorted(group, key=lambda p: p.start) for group in groups]
 
 
-def _alike(points: Array, first: Part, second: Part) -> bool:
-    if max(first.period, second.period) > 2.0 * min(first.period, second.period):
+def _alike(points: Array, group: list[Part], part: Part) -> bool:
+    """Compare a part with those of a group, without the frames that they share."""
+    start, stop = part.start, part.stop
+    for other in group:
+        pieces = (start, min(stop, other.start)), (max(start, other.stop), stop)
+        start, stop = max(pieces, key=lambda piece: piece[1] - piece[0])
+    if stop - start < 0.25 * part.period:
+        return True
+    return any(_near(points, other, part, (start, stop)) for other in group)
+
+
+def _near(points: Array, first: Part, second: Part, own: tuple[int, int]) -> bool:
+    """Tell whether typical poses of each are near to poses of the other."""
+    period = 0.5 * (first.period + second.period)
+    if abs(first.period - second.period) > 0.67 * period:
         return False
-    clouds = [
-        with_velocity(points, [(p.start, p.stop)], 0.5 * (first.period + second.period))
-        for p in (first, second)
-    ]
+    clouds = [with_velocity(points, [run], period) for run in ((first.start, first.stop), own)]
     a, b = (cloud[:: max(1, len(cloud) // 200)] for cloud in clouds)
-    apart, within = _squared(a, b), (_squared(a, a).max(), _squared(b, b).max())
-    near = np.median(apart.min(axis=1)) / within[0], np.median(apart.min(axis=0)) / within[1]
-    return bool(max(near) < _ALIKE)
+    apart, within = _squared(a, b), _squared(a, a).max()
+    return bool(max(np.median(apart.min(axis=1)), np.median(apart.min(axis=0))) < _ALIKE * within)
 
 
 def _squared(a: Array, b: Array) -> Array:

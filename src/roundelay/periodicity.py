@@ -27,7 +27,7 @@ Indices = NDArray[np.intp]
 # More points than this are thinned to landmarks; exact topology of them takes about 20 ms.
 _LANDMARKS = 500
 # Shares of a turn over which pauses are looked for.
-_CELLS = 16
+_CELLS = 8
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,8 @@ class Evidence:
 
     @property
     def repetitions(self) -> float:
-        """How many periods were seen."""
-        return self.net
+        """How many periods fit into the runs ([C] tables A: the period count)."""
+        return sum(stop - start for start, stop in self.runs) / self.period
 
     @property
     def prominence(self) -> float:
@@ -113,14 +113,15 @@ class Evidence:
 
     def objection(self) -> str | None:
         """Say why this is not a periodic motion, or None."""
-        if self.net < 1.05:
+        if self.net < 1.02:
             return f"it makes {self.net:.2f} turns of its loop, not more than one"
         if self.steadiness < 0.8:
             return f"of {self.total:.2f} turns only {self.net:.2f} remain forwards"
-        # One turn and a bit could be chance: its loop must stand out the more.
-        needed = 1.5 if self.net >= 1.5 else 3.0
+        # One turn and a bit could be chance: the less is seen twice, the more its loop must
+        # stand out.
+        needed = max(1.5, 1.0 + 0.5 / (self.net - 1.0))
         if self.prominence < needed:
-            return f"its longest bar is {self.prominence:.2f} times the next, not {needed:g}"
+            return f"its longest bar is {self.prominence:.2f} times the next, not {needed:.2f}"
         return None
 
 
@@ -195,31 +196,42 @@ def _interpolated(frames: Indices, known: Indices, values: Array) -> Array:
 def without_pauses(evidence: Evidence) -> list[Run]:
     """Cut the runs where the motion pauses, and drop what is left without a turn.
 
-    A pause is a passage through a cell of the circle that takes three times as long as usual
+    A pause is a passage through a cell of the circle that takes twice as long as usual
     there and a good part of a period: a person stands, or turns around, before going on.
 
     Returns
     -------
     list of (start, stop)
     """
-    passages = [p for run in evidence.runs for p in _passages(evidence.turns, run)]
+    pauses = _pauses(evidence, 0.0) + _pauses(evidence, 0.5 / _CELLS)
+    kept = []
+    for start, stop in evidence.runs:
+        here = start
+        for first, last in sorted(pauses):
+            if start <= first and last <= stop:
+                kept.append((here, max(here, first)))
+                here = max(here, last)
+        kept.append((here, stop))
+    kept = [run for run in kept if _turned(evidence.turns, run) >= 0.75]
+    passed = {cell % _CELLS for run in kept for cell, _, _ in _passages(evidence.turns, run)[1:-1]}
+    # What pauses at the only passage of a cell is no pause.
+    return kept if len(passed) == _CELLS else list(evidence.runs)
+
+
+def _pauses(evidence: Evidence, offset: float) -> list[Run]:
+    """List the frames of pauses, by cells whose borders are moved by `offset` turns."""
+    turns = evidence.turns + offset
+    passages = [passage for run in evidence.runs for passage in _passages(turns, run)]
     dwell: dict[int, list[int]] = {}
     for cell, first, last in passages:
         dwell.setdefault(cell % _CELLS, []).append(last - first)
     usual = {cell: sorted(times)[(len(times) - 1) // 2] for cell, times in dwell.items()}
     shortest = 0.35 * evidence.period
-    kept = []
-    for run in evidence.runs:
-        start = run[0]
-        for cell, first, last in _passages(evidence.turns, run):
-            if last - first > max(3.0 * usual[cell % _CELLS], shortest):
-                kept.append((start, first))
-                start = last
-        kept.append((start, run[1]))
-    kept = [run for run in kept if _turned(evidence.turns, run) >= 0.75]
-    passed = {cell % _CELLS for run in kept for cell, _, _ in _passages(evidence.turns, run)[1:-1]}
-    # What pauses at the only passage of a cell is no pause.
-    return kept if len(passed) == _CELLS else list(evidence.runs)
+    return [
+        (first, last)
+        for cell, first, last in passages
+        if last - first > max(2.0 * usual[cell % _CELLS], shortest)
+    ]
 
 
 def _turned(turns: Array, run: Run) -> float:

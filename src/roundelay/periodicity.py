@@ -111,12 +111,22 @@ class Evidence:
         again = float(np.clip(2.0 * (self.net - 1.0), 0.0, 1.0))
         return (1.0 - max(self.prominence, 1.0) ** -self.net) * self.steadiness * again
 
-    def objection(self) -> str | None:
-        """Say why this is not a periodic motion, or None."""
+    def objection(self, searched: int) -> str | None:
+        """Say why this is not a periodic motion, or None.
+
+        Parameters
+        ----------
+        searched : int
+            Frames of the capture that were searched: in a long one, something comes back
+            once by chance.
+        """
         if self.net < 1.02:
             return f"it makes {self.net:.2f} turns of its loop, not more than one"
         if self.steadiness < 0.8:
             return f"of {self.total:.2f} turns only {self.net:.2f} remain forwards"
+        share = sum(stop - start for start, stop in self.runs) / searched
+        if self.net < 1.5 and share < 0.3:
+            return f"it makes {self.net:.2f} turns of its loop in {share:.0%} of the frames"
         # One turn and a bit could be chance: the less is seen twice, the more its loop must
         # stand out.
         needed = max(1.5, 1.0 + 0.5 / (self.net - 1.0))

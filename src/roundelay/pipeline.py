@@ -124,7 +124,7 @@ def find_periodic(
     refused: list[NoPeriod] = []
     for number, group in enumerate(groups):
         report(progress, 0.1 + 0.4 * number / len(groups), "computing barcodes")
-        accepted, reasons = _judge(points, group, step, options.topology)
+        accepted, reasons = _judge(points, group, step, options.topology, last - first)
         found += accepted
         refused += reasons
     if not found:
@@ -160,23 +160,25 @@ def _weight(evidence: Evidence) -> float:
 
 
 def _judge(
-    points: Array, group: list[Part], step: int, options: TopologyOptions
+    points: Array, group: list[Part], step: int, options: TopologyOptions, searched: int
 ) -> tuple[list[Evidence], list[NoPeriod]]:
     """Ask topology about parts that look alike: all together, else each by itself."""
     try:
-        return [_accepted(points, group, step, options)], []
+        return [_accepted(points, group, step, options, searched)], []
     except NoPeriod as refusal:
         if len(group) == 1:
             return [], [refusal]
     accepted, refused = [], []
     for part in group:
-        evidence, reasons = _judge(points, [part], step, options)
+        evidence, reasons = _judge(points, [part], step, options, searched)
         accepted += evidence
         refused += reasons
     return accepted, refused
 
 
-def _accepted(points: Array, group: list[Part], step: int, options: TopologyOptions) -> Evidence:
+def _accepted(
+    points: Array, group: list[Part], step: int, options: TopologyOptions, searched: int
+) -> Evidence:
     """Measure parts of one motion, cut its pauses out, and check the result."""
     runs, period = _union(group), float(np.median([part.period for part in group]))
     try:
@@ -184,10 +186,10 @@ def _accepted(points: Array, group: list[Part], step: int, options: TopologyOpti
         cut = without_pauses(evidence)
         if cut and tuple(cut) != evidence.runs:
             again = measure(points, cut, evidence.period, step, options)
-            evidence = again if again.objection() is None else evidence
+            evidence = again if again.objection(searched) is None else evidence
     except (LiftError, TooShort) as error:
         raise NoPeriod(str(error)) from error
-    objection = evidence.objection()
+    objection = evidence.objection(searched)
     if objection is not None:
         raise NoPeriod(f"frames {_listed(evidence.runs)}: {objection}", evidence)
     return evidence

@@ -1,0 +1,105 @@
+"""What a pose is to segmentation: quaternions of fourteen joints, root left out ([B] 3, 3.1)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.errors import SkeletonMismatch
+from roundelay.motion import Motion
+from roundelay.skeleton import Skeleton
+
+__all__ = ["STANDARD_JOINTS", "corresponding_joints", "joint_quaternions"]
+
+STANDARD_JOINTS = (
+    "lowerback",
+    "upperback",
+    "thorax",
+    "lowerneck",
+    "upperneck",
+    "head",
+    "lhumerus",
+    "lradius",
+    "lfemur",
+    "ltibia",
+    "rhumerus",
+    "rradius",
+    "rfemur",
+    "rtibia",
+)
+"""The fourteen joints of [B] 3.1, as the Acclaim skeletons of the CMU database name them."""
+
+_TRUNK = re.compile(r"spine|back|chest|thorax|torso|waist|abdomen|neck|head(?!.*(end|top|nub))")
+_LIMBS = {
+    "upper arm": re.compile(r"humerus|upper_?arm|up_?arm|^[lr]_?arm$|(left|right)_?arm$|shldr"),
+    "forearm": re.compile(r"radius|fore_?arm|low(er)?_?arm|elbow"),
+    "thigh": re.compile(r"femur|thigh|up(per)?_?leg"),
+    "shin": re.compile(r"tibia|shin|calf|knee|low(er)?_?leg|^[lr]_?leg$|(left|right)_?leg$"),
+}
+_EXTRAS = re.compile(r"end|nub|twist|roll|finger|thumb|index|eye|jaw|top|site|ik|pole")
+
+
+def joint_quaternions(motion: Motion, joints: Iterable[str] | None = None) -> NDArray[np.float64]:
+    """Return the poses as points: one quaternion a joint, as four coordinates ([B] 3.1).
+
+    Parameters
+    ----------
+    motion : Motion
+    joints : iterable of str, optional
+        The corresponding joints by default, see `corresponding_joints`.
+
+    Returns
+    -------
+    (F, 4 k) ndarray
+        Signs continuous in time; 56 columns with the standard joints.
+
+    Raises
+    ------
+    SkeletonMismatch
+        If a joint does not exist; the message names it.
+    ValueError
+        If no joint is given.
+    """
+    names = corresponding_joints(motion.skeleton) if joints is None else tuple(joints)
+    if not names:
+        raise ValueError("expected at least one joint, found none")
+    chosen = motion.skeleton.indices(names)
+    return motion.rotations[:, chosen].reshape(len(motion), 4 * len(chosen))
+
+
+def corresponding_joints(skeleton: Skeleton) -> tuple[str, ...]:
+    """Choose the joints that stand for the standard ones of [B].
+
+    An Acclaim skeleton has the standard joints themselves. On others, spine, neck, head, upper
+    arms, forearms, thighs and shins are found by the usual names; where one kind of limb is
+    found under no name, all joints but the root are taken.
+
+    Raises
+    ------
+    SkeletonMismatch
+        If most of the standard joints are there and some are missing: the message names them.
+    """
+    missing = [name for name in STANDARD_JOINTS if name not in skeleton.names]
+    if not missing:
+        return STANDARD_JOINTS
+    if 2 * len(missing) < len(STANDARD_JOINTS):
+        raise SkeletonMismatch(
+            f"the standard joints {', '.join(missing)} are missing; name the joints to use"
+        )
+    found = {name: _kinds(name) for name in skeleton.names[1:]}
+    if {kind for kinds in found.values() for kind in kinds} >= set(_LIMBS):
+        return tuple(name for name, kinds in found.items() if kinds)
+    return skeleton.names[1:] or skeleton.names
+
+
+def _kinds(name: str) -> list[str]:
+    """Return which parts of the body a joint's name speaks of."""
+    # A prefix names the character or the program ("mixamorig:", "Bip01_"), not the joint.
+    plain = re.sub(r"[\s\-.]+", "_", name.split(":")[-1].lower())
+    if _EXTRAS.search(plain):
+        return []
+    kinds = [kind for kind, pattern in _LIMBS.items() if pattern.search(plain)]
+    return kinds or (["trunk"] if _TRUNK.search(plain) else [])

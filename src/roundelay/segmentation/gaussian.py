@@ -1,0 +1,203 @@
+"""The default method: piecewise Gaussian, by penalised likelihood, with no parameter to set.
+
+A behaviour is a Gaussian cloud of poses, as for the probabilistic PCA of [B] 3.2, but all cuts
+are found together, as those that minimise
+
+    sum over segments of  N log det(C + s^2 I)  +  5.5 tau D,
+
+with N frames of covariance C. Three measures take the place of parameters: the resolution s, a
+difference between poses that is too small to matter; the correlation time tau, in frames,
+after which poses are as good as independent; and the effective dimension D = sum v / (v + s^2)
+over the capture's principal variances v. See `roundelay.segmentation.model`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.segmentation.model import GaussianModel
+
+__all__ = [
+    "GaussianOptions",
+    "cut_evidence",
+    "evidence_curve",
+    "gaussian_cuts",
+]
+
+Array = NDArray[np.float64]
+
+# Cuts are first sought on a grid this wide (seconds), then moved by up to the second.
+_GRID = 0.25
+_REACH = 1.0
+# A cut prefers moments of little motion: its prior is speed to minus this power.
+_CALM = 2.0
+# Candidates for a segment's start older than this (seconds) must be among so many best.
+_MEMORY = 25.0
+_VETERANS = 30
+
+
+@dataclass(frozen=True)
+class GaussianOptions:
+    """Choices of the piecewise Gaussian method; none needs to be made.
+
+    Parameters
+    ----------
+    sensitivity : float
+        Divides the evidence asked of a cut: 2 finds finer behaviours, .5 coarser.
+    n_segments : int, optional
+        Make exactly this many segments instead.
+    resolution : float, optional
+        Standard deviation that is too small to matter, in the unit of the values; by default
+        .15 rad for motions, and .15 of the total standard deviation for bare channels.
+    shortest : float
+        Seconds a behaviour lasts at least.
+    """
+
+    sensitivity: float = 1.0
+    n_segments: int | None = None
+    resolution: float | None = None
+    shortest: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name in ("sensitivity", "shortest"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"expected a positive {name}, found {getattr(self, name)}")
+        if self.resolution is not None and not self.resolution > 0.0:
+            raise ValueError(f"expected a positive resolution, found {self.resolution}")
+        if self.n_segments is not None and self.n_segments < 1:
+            raise ValueError(f"expected at least one segment, found n_segments={self.n_segments}")
+
+
+def gaussian_cuts(model: GaussianModel, options: GaussianOptions) -> list[int]:
+    """Find the cuts of a capture.
+
+    Parameters
+    ----------
+    model : GaussianModel
+    options : GaussianOptions
+
+    Returns
+    -------
+    list of int
+        First thinned frame of every segment but the first.
+
+    Raises
+    ------
+    ValueError
+        If the capture cannot be cut into ``options.n_segments``.
+    """
+    count = options.n_segments
+    if model.still or len(model) < 2.0 * options.shortest * model.fps:
+        if count not in (None, 1):
+            raise ValueError(f"expected a moving capture of {count} segments, found one")
+        return []
+    if count is None:
+        cuts = _search(model, options.shortest, 1.0 / options.sensitivity)
+    else:
+        cuts = _exactly(model, options.shortest, count)
+    return _settled(model, cuts, options.shortest)
+
+
+def _search(model: GaussianModel, shortest: float, evidence: float) -> list[int]:
+    """Minimise the penalised cost over all cuts on the grid (PELT: Killick et al. 2012)."""
+    grid, least = _grid(model, shortest)
+    penalty = evidence * model.penalty
+    best, previous = np.full(len(grid), np.inf), np.zeros(len(grid), dtype=int)
+    best[0] = -penalty
+    starts, doomed = np.zeros(1, dtype=int), np.array([np.inf])
+    for stop in range(least, len(grid)):
+        if stop >= 2 * least:
+            starts, doomed = np.append(starts, stop - least), np.append(doomed, np.inf)
+        reached = best[starts] + model.cost_between(grid[starts], grid[stop])
+        winner = int(np.argmin(reached))
+        best[stop], previous[stop] = reached[winner] + penalty, starts[winner]
+        # A start worse than a cut here stays so, once a segment from here is long enough.
+        doomed[(reached > best[stop]) & np.isinf(doomed)] = stop + least
+        alive = (doomed > stop) & _remembered(reached, (stop - starts) * _GRID)
+        starts, doomed = starts[alive], doomed[alive]
+    return [int(grid[place]) for place in _traced(previous)]
+
+
+def _grid(model: GaussianModel, shortest: float) -> tuple[NDArray[np.intp], int]:
+    """Return the boundaries cuts are sought at, and how many steps the shortest segment has."""
+    step = max(1, round(_GRID * model.fps))
+    inner = np.arange(0, len(model) - step + 1, step)
+    return np.append(inner, len(model)), max(1, int(np.ceil(shortest * model.fps / step)))
+
+
+def _remembered(reached: Array, age: Array) -> NDArray[np.bool_]:
+    """Keep recent starts and the best of the old ones: time then grows with length only."""
+    old = np.flatnonzero(age > _MEMORY)
+    keep = np.ones(len(age), dtype=bool)
+    if len(old) > _VETERANS:
+        keep[old[np.argsort(reached[old], kind="stable")[_VETERANS:]]] = False
+    return keep
+
+
+def _traced(previous: NDArray[np.intp]) -> list[int]:
+    places, place = [], int(previous[-1])
+    while place > 0:
+        places.append(place)
+        place = int(previous[place])
+    return places[::-1]
+
+
+def _exactly(model: GaussianModel, shortest: float, count: int) -> list[int]:
+    """Find `count` segments: bisect the penalty, then drop the weakest cuts too many."""
+    cuts = _search(model, shortest, 0.0)
+    if len(cuts) + 1 < count:
+        raise ValueError(
+            f"expected at most {len(cuts) + 1} segments of at least {shortest:g} s in "
+            f"{len(model) / model.fps:.1f} s, found n_segments={count}"
+        )
+    low, high = -7.0, 7.0
+    for _ in range(14):
+        middle = 0.5 * (low + high)
+        trial = _search(model, shortest, np.exp(middle))
+        low, high = (middle, high) if len(trial) + 1 >= count else (low, middle)
+        cuts = trial if len(trial) + 1 >= count else cuts
+        if len(trial) + 1 == count:
+            break
+    while len(cuts) + 1 > count:
+        cuts.pop(int(np.argmin(cut_evidence(model, cuts))))
+    return cuts
+
+
+def cut_evidence(model: GaussianModel, cuts: list[int]) -> Array:
+    """Return the evidence (len(cuts),) for each cut, given its neighbours."""
+    bounds = np.array([0, *cuts, len(model)])
+    return model.evidence(bounds[:-2], bounds[1:-1], bounds[2:]) if cuts else np.zeros(0)
+
+
+def evidence_curve(model: GaussianModel, cuts: list[int]) -> tuple[Array, Array]:
+    """Return places (m,) and the evidence (m,) for a cut at each.
+
+    At a cut it is the cut's own; elsewhere that of one more cut in the segment, below 1.
+    """
+    if model.still:
+        return np.array([0.0]), np.array([0.0])
+    step = max(1, round(_GRID * model.fps))
+    places = np.union1d(np.arange(step, len(model) - step + 1, step), np.array(cuts, dtype=int))
+    bounds = np.array([0, *cuts, len(model)])
+    after = np.searchsorted(bounds, places, side="right")
+    before = np.searchsorted(bounds, places, side="left") - 1
+    return places, model.evidence(bounds[before], places, bounds[after])
+
+
+def _settled(model: GaussianModel, cuts: list[int], shortest: float) -> list[int]:
+    """Move each cut to its most probable frame, with a prior for moments of little motion."""
+    speed = np.linalg.norm(np.gradient(model.points, axis=0), axis=1)
+    calm = -_CALM * np.log(speed + 0.01 * np.median(speed) + 1e-300)
+    bounds, least = [0, *cuts, len(model)], int(shortest * model.fps)
+    reach = int(_REACH * model.fps)
+    for i in range(1, len(bounds) - 1):
+        before, cut, after = bounds[i - 1 : i + 2]
+        first = max(cut - reach, min(before + least, cut))
+        last = min(cut + reach, max(after - least, cut))
+        places = np.arange(first, last + 1)
+        fit = -model.cost_between(before, places) - model.cost_between(places, after)
+        bounds[i] = int(places[np.argmax(0.5 * fit / model.correlation_time + calm[places])])
+    return bounds[1:-1]

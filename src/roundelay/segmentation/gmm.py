@@ -1,0 +1,196 @@
+"""Segmentation by clusters of poses: a Gaussian mixture over the whole capture, [B] 3.3.
+
+Where [B] is silent: covariances get 1e-6 of the mean variance on their diagonal; of several
+starts the likeliest mixture is kept; short segments go shortest first, halved between their
+neighbours, those at the ends to their one neighbour.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.errors import TooShort
+from roundelay.segmentation.moments import principal_axes
+from roundelay.segmentation.pca import intrinsic_dimension
+
+__all__ = ["GMMOptions", "Mixture", "fit_mixture", "gmm_labels"]
+
+Array = NDArray[np.float64]
+
+_FLOOR = 1e-6
+
+
+@dataclass(frozen=True)
+class GMMOptions:
+    """Parameters of the mixture method; the defaults are those of [B] 3.3 but for the starts.
+
+    Parameters
+    ----------
+    clusters : int
+        Number of behaviours (k).
+    energy : float
+        Share of the variance kept by the projection before.
+    shortest : float
+        Seconds below which a segment is given to its neighbours (120 frames).
+    starts : int
+        Number of starts, each from one random frame in each of k parts of the capture.
+    iterations : int
+        EM steps at most; they end once the log-likelihood per frame gains less than 1e-6.
+    """
+
+    clusters: int = 4
+    energy: float = 0.9
+    shortest: float = 1.0
+    starts: int = 5
+    iterations: int = 200
+
+    def __post_init__(self) -> None:
+        if self.clusters < 1 or self.starts < 1 or self.iterations < 1:
+            raise ValueError(f"expected clusters, starts and iterations of at least 1: {self}")
+        if not 0.0 < self.energy < 1.0 or not self.shortest >= 0.0:
+            raise ValueError(f"expected an energy between 0 and 1 and shortest >= 0, found {self}")
+
+    @classmethod
+    def paper(cls) -> GMMOptions:
+        """Return the parameters of [B] 3.3: one start."""
+        return cls(starts=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """A Gaussian mixture.
+
+    Parameters
+    ----------
+    weights : (k,) ndarray
+    means : (k, d) ndarray
+    covariances : (k, d, d) ndarray
+    likelihood : float
+        Mean log-likelihood of the frames it was fitted to.
+    """
+
+    weights: Array
+    means: Array
+    covariances: Array
+    likelihood: float = -np.inf
+
+    def log_densities(self, values: Array) -> Array:
+        """Return log(weight times density) (n, k) of values (n, d)."""
+        columns = []
+        for weight, mean, covariance in zip(
+            self.weights, self.means, self.covariances, strict=True
+        ):
+            root = np.linalg.cholesky(covariance)
+            white = np.linalg.solve(root, (values - mean).T)
+            scale = np.log(2.0 * np.pi) * len(mean) + 2.0 * np.log(np.diagonal(root)).sum()
+            columns.append(np.log(weight + 1e-300) - 0.5 * (scale + np.sum(white**2, axis=0)))
+        return np.stack(columns, axis=1)
+
+
+def fit_mixture(values: Array, options: GMMOptions, rng: np.random.Generator) -> Mixture:
+    """Fit a mixture to frames (n, d) by expectation maximisation, from several starts."""
+    trials = (_fit_once(values, options, rng) for _ in range(options.starts))
+    return max(trials, key=lambda mixture: mixture.likelihood)
+
+
+def gmm_labels(
+    values: Array, fps: float, options: GMMOptions, rng: np.random.Generator
+) -> tuple[NDArray[np.intp], Array]:
+    """Label every frame by its likeliest cluster, short segments merged.
+
+    Parameters
+    ----------
+    values : (n, d) ndarray
+        One point a frame.
+    fps : float
+        Frames a second.
+    options : GMMOptions
+    rng : numpy.random.Generator
+        Chooses the frames EM starts from.
+
+    Returns
+    -------
+    labels : (n,) ndarray of int
+    certainty : (n,) ndarray
+        Posterior probability of the frame's own label, before merging.
+
+    Raises
+    ------
+    TooShort
+        If there are fewer frames than clusters, or than two of the shortest segment.
+    """
+    least = max(options.clusters, round(2 * options.shortest * fps))
+    if len(values) < least:
+        raise TooShort(f"expected at least {least} frames, found {len(values)}")
+    variances, axes = principal_axes(values)
+    if variances[0] <= 1e-20:
+        return np.zeros(len(values), dtype=np.intp), np.ones(len(values))
+    kept = axes[:, : intrinsic_dimension(variances, options.energy)]
+    points = (values - values.mean(axis=0)) @ kept
+    shares, _ = _responsibilities(fit_mixture(points, options, rng).log_densities(points))
+    labels = np.argmax(shares, axis=1)
+    return merge_short(labels, round(options.shortest * fps)), shares.max(axis=1)
+
+
+def merge_short(labels: NDArray[np.intp], least: int) -> NDArray[np.intp]:
+    """Give runs shorter than `least` frames to their neighbours, half each, shortest first."""
+    merged = labels.copy()
+    while True:
+        bounds = np.flatnonzero(np.diff(merged)) + 1
+        starts, stops = np.append(0, bounds), np.append(bounds, len(merged))
+        shortest = int(np.argmin(stops - starts))
+        start, stop = starts[shortest], stops[shortest]
+        if len(bounds) == 0 or stop - start >= least:
+            return merged
+        before = merged[start - 1] if start > 0 else merged[stop]
+        after = merged[stop] if stop < len(merged) else before
+        middle = (start + stop) // 2
+        merged[start:middle], merged[middle:stop] = before, after
+
+
+def _fit_once(values: Array, options: GMMOptions, rng: np.random.Generator) -> Mixture:
+    mixture = _first_guess(values, options.clusters, rng)
+    for _ in range(options.iterations):
+        shares, likelihood = _responsibilities(mixture.log_densities(values))
+        gained = likelihood - mixture.likelihood
+        mixture = _maximised(values, shares, likelihood)
+        if gained < 1e-6:
+            break
+    return mixture
+
+
+def _first_guess(values: Array, clusters: int, rng: np.random.Generator) -> Mixture:
+    """Take one random frame of each of k consecutive parts as means ([B] 3.3)."""
+    parts = np.array_split(np.arange(len(values)), clusters)
+    means = values[[int(rng.choice(part)) for part in parts]]
+    covariance = np.atleast_2d(np.cov(values.T, bias=True))
+    covariance = covariance + _floor(covariance)
+    weights = np.full(clusters, 1.0 / clusters)
+    return Mixture(weights, means, np.repeat(covariance[None], clusters, axis=0))
+
+
+def _responsibilities(densities: Array) -> tuple[Array, float]:
+    """Return posterior shares (n, k) and the mean log-likelihood."""
+    top = densities.max(axis=1, keepdims=True)
+    shares = np.exp(densities - top)
+    total = shares.sum(axis=1, keepdims=True)
+    return shares / total, float(np.mean(top + np.log(total)))
+
+
+def _maximised(values: Array, shares: Array, likelihood: float) -> Mixture:
+    mass = shares.sum(axis=0) + 1e-9
+    means = (shares.T @ values) / mass[:, None]
+    covariances = []
+    for share, weight, mean in zip(shares.T, mass, means, strict=True):
+        centred = values - mean
+        covariances.append((centred * (share / weight)[:, None]).T @ centred)
+    spread = np.array(covariances) + _floor(np.cov(values.T, bias=True))
+    return Mixture(mass / mass.sum(), means, spread, likelihood)
+
+
+def _floor(covariance: Array) -> Array:
+    square = np.atleast_2d(covariance)
+    return (_FLOOR * np.trace(square) / len(square) + 1e-300) * np.eye(len(square))

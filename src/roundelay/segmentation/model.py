@@ -1,0 +1,134 @@
+"""The likelihood of stretches of a capture, each a Gaussian cloud of poses ([B] 3.2).
+
+What a user would otherwise have to set is measured here: the rate of the frames that carry
+information, the axes and the number of effective dimensions, the time after which poses are
+as good as independent.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from roundelay.segmentation.labels import recurring_labels
+from roundelay.segmentation.moments import Moments, principal_axes
+
+__all__ = ["GaussianModel"]
+
+Array = NDArray[np.float64]
+
+# Poses are averaged to about this rate and smoothed over this many seconds: movement of the
+# body has little above 5 Hz, measurement noise has.
+_RATE = 30.0
+_SMOOTHING = 0.05
+# Share of the total standard deviation that is the resolution where none is given.
+_RELATIVE = 0.15
+# Share of the resolution below which the variation along an axis is left out.
+_NEGLIGIBLE = 0.5
+# Windows in which the correlation time is measured, in seconds.
+_CORRELATION_WINDOW = 2.0
+# Log-likelihood ratio, per effective dimension and independent pose, that a cut must gain; a
+# label pays less, for there is no search over its place.
+_EVIDENCE = 5.5
+_LABEL_EVIDENCE = 4.0
+
+
+class GaussianModel:
+    """The likelihood of stretches of a capture, on thinned frames.
+
+    Parameters
+    ----------
+    values : (n, d) ndarray
+        One point a frame.
+    fps : float
+        Frames a second.
+    resolution : float, optional
+        As in `GaussianOptions`; relative to the values by default.
+    """
+
+    def __init__(self, values: Array, fps: float, resolution: float | None = None) -> None:
+        self.step = max(1, round(fps / _RATE))
+        self.fps = fps / self.step
+        thinned = _thinned(values, self.step)
+        variances, axes = principal_axes(thinned)
+        total = float(np.sqrt(variances.sum()))
+        self.resolution = _RELATIVE * total if resolution is None else resolution
+        kept = variances > (_NEGLIGIBLE * self.resolution) ** 2
+        moving = (thinned - thinned.mean(axis=0)) @ axes[:, kept]
+        self.points = _smoothed(moving, _SMOOTHING * self.fps)
+        self.dimension = float(np.sum(variances / (variances + self.resolution**2 + 1e-300)))
+        self.still = not kept.any()
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    @cached_property
+    def moments(self) -> Moments:
+        """Running sums over the points."""
+        return Moments.of(self.points)
+
+    @cached_property
+    def correlation_time(self) -> float:
+        """Frames after which a pose is as good as independent; see `_correlation_time`."""
+        return _correlation_time(self.points, round(_CORRELATION_WINDOW * self.fps))
+
+    @cached_property
+    def penalty(self) -> float:
+        """Twice the log-likelihood that one cut must gain."""
+        return _EVIDENCE * self.correlation_time * self.dimension
+
+    def cost(self, count: Array, covariance: Array) -> Array:
+        """Minus twice the log-likelihood, but for constants, of clouds of poses."""
+        noise = self.resolution**2 * np.eye(covariance.shape[-1])
+        return count * np.linalg.slogdet(covariance + noise)[1]
+
+    def cost_between(self, start: ArrayLike, stop: ArrayLike) -> Array:
+        """`cost` of the frames between boundaries."""
+        count, _, covariance = self.moments.between(start, stop)
+        return self.cost(count, covariance)
+
+    def evidence(self, start: ArrayLike, cut: ArrayLike, stop: ArrayLike) -> Array:
+        """How much a cut between two boundaries gains, over what is asked: 1 is just enough."""
+        parts = self.cost_between(start, cut) + self.cost_between(cut, stop)
+        return (self.cost_between(start, stop) - parts) / self.penalty
+
+    def labels(self, cuts: list[int]) -> list[int]:
+        """Label the segments between cuts, behaviours that come back alike."""
+        if self.still:
+            return [0] * (len(cuts) + 1)
+        bounds, penalty = [0, *cuts, len(self)], _LABEL_EVIDENCE / _EVIDENCE * self.penalty
+        return recurring_labels(self.moments, bounds, self.cost, penalty)
+
+
+def _thinned(values: Array, step: int) -> Array:
+    """Average each `step` frames; what is left over joins the last."""
+    blocks = max(1, len(values) // step)
+    starts = np.arange(blocks) * step
+    counts = np.diff(np.append(starts, len(values)))
+    return np.add.reduceat(values, starts, axis=0) / counts[:, None]
+
+
+def _smoothed(values: Array, deviation: float) -> Array:
+    """Smooth over time with a Gaussian of `deviation` frames, ends held."""
+    reach = int(np.ceil(3.0 * deviation))
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / deviation) ** 2)
+    padded = np.pad(values, ((reach, reach), (0, 0)), mode="edge")
+    smooth = np.zeros_like(values)
+    for shift, weight in enumerate(weights / weights.sum()):
+        smooth += weight * padded[shift : shift + len(values)]
+    return smooth
+
+
+def _correlation_time(points: Array, window: int) -> float:
+    """Integrated autocorrelation time, in frames, within windows: 1 + 2 sum rho up to rho = 0."""
+    size = min(window, len(points))
+    parts = points[: len(points) // size * size].reshape(-1, size, points.shape[1])
+    spectrum = np.abs(np.fft.rfft(parts - parts.mean(axis=1, keepdims=True), 2 * size, axis=1)) ** 2
+    correlation = np.fft.irfft(spectrum.sum(axis=(0, 2)))[:size]
+    if correlation[0] <= 0.0:
+        return 1.0
+    negative = np.flatnonzero(correlation < 0.0)
+    until = negative[0] if len(negative) else size
+    return float(1.0 + 2.0 * correlation[1:until].sum() / correlation[0])

@@ -1,0 +1,264 @@
+"""Segmentation by the distance of the coming frames from the past ones: [B] 3.2.
+
+A Gaussian of probabilistic PCA is fitted to the first K frames of a segment; the Mahalanobis
+distance H of the T frames after them falls while the model learns a behaviour, rises when
+another one enters the window, and falls again when the model takes it in. Valley and peak make
+a cut.
+
+Where [B] is silent: H is the root of eq. 10 (the diagonal of figure 6 is 7, the root of 56
+rounded down); a valley must come after a descent; a peak is over when H has come down from it
+by a tenth of its rise over the valley; one forward and one backward pass are made, and a
+backward cut is new if it is farther than T from every forward one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from roundelay.errors import TooShort
+from roundelay.segmentation.pca import intrinsic_dimension
+
+__all__ = ["OnlinePPCA", "PPCAModel", "PPCAOptions", "ppca_cuts"]
+
+Array = NDArray[np.float64]
+
+# Share of the rise that H must come down for its peak to be over.
+_DESCENT = 0.1
+
+
+@dataclass(frozen=True)
+class PPCAOptions:
+    """Parameters of the probabilistic PCA method.
+
+    Parameters
+    ----------
+    rule : {"ratio", "difference"}
+        Whether the peak must be `threshold` times the valley, or that much above it. The ratio
+        does not depend on the number of joints; the difference is [B]'s.
+    threshold : float
+        3 for the ratio, 15 for the difference (R).
+    energy : float
+        Share of the variance inside the hyperplane (tau).
+    window : float
+        Seconds looked ahead, and seconds of the first model (T = 150 frames).
+    step : float
+        Seconds by which the model grows (Delta = 10 frames).
+    middle : bool
+        Put a cut that both passes find halfway between; [B] keeps the forward one.
+    """
+
+    rule: Literal["ratio", "difference"] = "ratio"
+    threshold: float = 3.0
+    energy: float = 0.95
+    window: float = 1.25
+    step: float = 10 / 120
+    middle: bool = True
+
+    def __post_init__(self) -> None:
+        if self.rule not in ("ratio", "difference"):
+            raise ValueError(f"expected the rule 'ratio' or 'difference', found {self.rule!r}")
+        if not 0.0 < self.energy < 1.0:
+            raise ValueError(f"expected an energy between 0 and 1, found {self.energy}")
+        if not (0.0 < self.step <= self.window and self.threshold > 0.0):
+            raise ValueError(f"expected 0 < step <= window and threshold > 0, found {self}")
+
+    @classmethod
+    def paper(cls) -> PPCAOptions:
+        """Return the parameters of [B] 3.2."""
+        return cls(rule="difference", threshold=15.0, middle=False)
+
+    def frames(self, fps: float) -> tuple[int, int]:
+        """Return T and Delta in frames; T is a multiple of Delta."""
+        step = max(1, round(self.step * fps))
+        return max(1, round(self.window * fps / step)) * step, step
+
+    def rise(self, valley: float, peak: float) -> float:
+        """How far a peak is above a valley, over the threshold: 1 makes a cut."""
+        if self.rule == "difference":
+            return (peak - valley) / self.threshold
+        return peak / (valley * self.threshold) if valley > 0.0 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class PPCAModel:
+    """A Gaussian of probabilistic PCA ([B] eq. 7-9).
+
+    Parameters
+    ----------
+    mean : (d,) ndarray
+    variances : (d,) ndarray
+        Of the principal axes; those outside the hyperplane are all equal.
+    axes : (d, d) ndarray
+        In columns.
+    rank : int
+        Dimension of the hyperplane.
+    """
+
+    mean: Array
+    variances: Array
+    axes: Array
+    rank: int
+
+    @classmethod
+    def of(cls, count: int, total: Array, products: Array, energy: float) -> PPCAModel:
+        """Fit to sums over frames: their number, sum (d,) and sum of products (d, d)."""
+        mean = total / count
+        squares, axes = np.linalg.eigh(products - count * np.outer(mean, mean))
+        squares, axes = np.maximum(squares[::-1], 0.0), axes[:, ::-1]
+        rank = intrinsic_dimension(squares, energy)
+        # Eq. 7 averages over all discarded values, structural zeros too: keep it above rounding.
+        floor = 1e-10 * squares.sum() + 1e-300
+        discarded = squares[rank:].mean() if rank < len(squares) else 0.0
+        spread = np.append(squares[:rank], np.full(len(squares) - rank, discarded))
+        return cls(mean, np.maximum(spread, floor) / max(count - 1, 1), axes, rank)
+
+    def distance(self, count: int, total: Array, products: Array) -> float:
+        """Root of the mean squared Mahalanobis distance ([B] eq. 10) of frames given by sums."""
+        scatter = products - np.outer(total, self.mean) - np.outer(self.mean, total)
+        scatter = scatter / count + np.outer(self.mean, self.mean)
+        along = np.einsum("ij,ij->j", self.axes, scatter @ self.axes)
+        return float(np.sqrt(max(0.0, np.sum(along / self.variances))))
+
+
+class OnlinePPCA:
+    """The forward pass, while the motion arrives.
+
+    Parameters
+    ----------
+    fps : float
+        Frames a second.
+    options : PPCAOptions, optional
+
+    Attributes
+    ----------
+    cuts : list of int
+        Frames at which cuts were made.
+    strengths : list of float
+        For each cut, the rise from valley to peak over the threshold.
+    curve : list of (int, float)
+        Frame at the end of the model and H: figure 2.
+    window : int
+        Frames looked ahead, T.
+    """
+
+    def __init__(self, fps: float, options: PPCAOptions | None = None) -> None:
+        self.options = options or PPCAOptions()
+        self.window, self._step = self.options.frames(fps)
+        self._blocks: list[tuple[Array, Array]] = []
+        self._waiting: list[Array] = []
+        self._start = 0
+        self.cuts: list[int] = []
+        self.strengths: list[float] = []
+        self.curve: list[tuple[int, float]] = []
+        self._restart()
+
+    def push(self, frames: ArrayLike) -> list[int]:
+        """Take one frame (d,) or several (n, d); return the cuts they led to."""
+        known = len(self.cuts)
+        for frame in np.atleast_2d(np.asarray(frames, float)):
+            self._waiting.append(frame)
+            if len(self._waiting) == self._step:
+                self._close_block()
+        return self.cuts[known:]
+
+    def _restart(self) -> None:
+        self._model_blocks = 0
+        self._total, self._products = np.zeros(1), np.zeros((1, 1))
+        self._latest, self._descended = -np.inf, False
+        self._valley, self._peak, self._peak_blocks = np.inf, -np.inf, 0
+
+    def _close_block(self) -> None:
+        block = np.array(self._waiting)
+        self._waiting.clear()
+        self._blocks.append((block.sum(axis=0), block.T @ block))
+        ahead = self.window // self._step
+        # The first model takes T frames, and T more must be there to look at.
+        while len(self._blocks) >= max(self._model_blocks + 1, ahead) + ahead:
+            self._grow(max(self._model_blocks + 1, ahead), ahead)
+
+    def _grow(self, blocks: int, ahead: int) -> None:
+        for total, products in self._blocks[self._model_blocks : blocks]:
+            self._total, self._products = self._total + total, self._products + products
+        self._model_blocks = blocks
+        count = blocks * self._step
+        model = PPCAModel.of(count, self._total, self._products, self.options.energy)
+        window = self._blocks[blocks : blocks + ahead]
+        total = np.sum([part[0] for part in window], axis=0)
+        products = np.sum([part[1] for part in window], axis=0)
+        distance = model.distance(self.window, total, products)
+        self.curve.append((self._start + count, distance))
+        self._watch(distance)
+
+    def _watch(self, distance: float) -> None:
+        """Follow H down into its valley and up to its peak; cut once the peak is over."""
+        self._descended |= distance < self._latest
+        self._latest = distance
+        if distance > self._peak:
+            self._peak, self._peak_blocks = distance, self._model_blocks
+        rise = self.options.rise(self._valley, self._peak) if self._descended else 0.0
+        if rise >= 1.0 and self._peak - distance > _DESCENT * (self._peak - self._valley):
+            self._cut(rise)
+        elif not self._descended or (rise < 1.0 and distance < self._valley):
+            self._valley, self._peak = distance, distance
+            self._peak_blocks = self._model_blocks
+
+    def _cut(self, rise: float) -> None:
+        self._start += self._peak_blocks * self._step
+        self.cuts.append(self._start)
+        self.strengths.append(rise)
+        del self._blocks[: self._peak_blocks]
+        self._restart()
+
+
+def ppca_cuts(values: Array, fps: float, options: PPCAOptions) -> tuple[list[int], list[float]]:
+    """Cut with a forward and a backward pass.
+
+    Parameters
+    ----------
+    values : (n, d) ndarray
+        One point a frame.
+    fps : float
+        Frames a second.
+    options : PPCAOptions
+
+    Returns
+    -------
+    cuts : list of int
+        First frame of every segment but the first.
+    strengths : list of float
+        For each cut, the rise from valley to peak over the threshold.
+
+    Raises
+    ------
+    TooShort
+        If there are fewer frames than two windows.
+    """
+    window = options.frames(fps)[0]
+    if len(values) < 2 * window:
+        raise TooShort(f"expected at least two windows, {2 * window} frames, found {len(values)}")
+    forward, backward = OnlinePPCA(fps, options), OnlinePPCA(fps, options)
+    forward.push(values)
+    backward.push(values[::-1])
+    return _united(forward, [len(values) - cut for cut in backward.cuts], backward.strengths)
+
+
+def _united(
+    forward: OnlinePPCA, mirrored: list[int], strengths: list[float]
+) -> tuple[list[int], list[float]]:
+    """Add those cuts of the backward pass that are new, and settle those that are not."""
+    window = forward.window
+    found: dict[int, float] = {}
+    for cut, strength in zip(forward.cuts, forward.strengths, strict=True):
+        near = [other for other in mirrored if abs(other - cut) <= window]
+        place = (cut + min(near, key=lambda other: abs(other - cut))) // 2 if near else cut
+        found[place if forward.options.middle else cut] = strength
+    found |= {
+        cut: strength
+        for cut, strength in zip(mirrored, strengths, strict=True)
+        if all(abs(cut - other) > window for other in forward.cuts)
+    }
+    return sorted(found), [found[cut] for cut in sorted(found)]

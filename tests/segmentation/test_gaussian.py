@@ -1,0 +1,93 @@
+"""The default's parts: exact search, labels, running sums."""
+
+import numpy as np
+import pytest
+
+from roundelay.segmentation import gaussian
+from roundelay.segmentation.gaussian import GaussianOptions, gaussian_cuts
+from roundelay.segmentation.labels import recurring_labels
+from roundelay.segmentation.model import GaussianModel
+from roundelay.segmentation.moments import Moments
+
+
+def model_of(capture):
+    motion = capture.motion
+    return GaussianModel(2 * motion.rotations[:, 1:].reshape(len(motion), -1), 120.0, 0.15)
+
+
+def brute_force(model, shortest, evidence):
+    """Optimal partition without pruning, O(n^2)."""
+    grid, least = gaussian._grid(model, shortest)
+    penalty = evidence * model.penalty
+    best, previous = [-penalty], [0]
+    for stop in range(1, len(grid)):
+        starts = [s for s in range(stop - least + 1) if s == 0 or s >= least]
+        totals = [best[s] + model.cost_between(grid[s], grid[stop]) + penalty for s in starts]
+        best.append(min(totals, default=np.inf))
+        previous.append(starts[int(np.argmin(totals))] if totals else 0)
+    cuts, place = [], previous[-1]
+    while place:
+        cuts.append(int(grid[place]))
+        place = previous[place]
+    return cuts[::-1]
+
+
+@pytest.mark.parametrize("evidence", [0.02, 0.1, 0.3, 1.0, 3.0])
+def test_pruned_search_is_exact(capture, evidence):
+    model = model_of(capture)
+    assert gaussian._search(model, 1.0, evidence) == brute_force(model, 1.0, evidence)
+
+
+def test_cuts_keep_the_shortest_segment(capture):
+    model = model_of(capture)
+    cuts = gaussian_cuts(model, GaussianOptions(sensitivity=20.0))
+    assert np.diff([0, *cuts, len(model)]).min() >= model.fps * 1.0
+
+
+def test_forgetting_keeps_recent_and_best():
+    reached, age = np.arange(200.0), np.linspace(100.0, 0.0, 200)
+    keep = gaussian._remembered(reached, age)
+    assert keep[age <= 25.0].all()
+    assert np.flatnonzero(keep[age > 25.0]).tolist() == list(range(30))
+
+
+def test_labels_merge_same_clouds_only():
+    rng = np.random.default_rng(0)
+    clouds = [rng.normal(m, s, (300, 3)) for m, s in ((0, 1), (5, 1), (0, 1), (0, 4), (5, 1))]
+    moments = Moments.of(np.concatenate(clouds))
+
+    def cost(count, covariance):
+        return count * np.linalg.slogdet(covariance)[1]
+
+    bounds = [0, 300, 600, 900, 1200, 1500]
+    assert recurring_labels(moments, bounds, cost, 60.0) == [0, 1, 0, 2, 1]
+    assert recurring_labels(moments, bounds, cost, 1e9) == [0] * 5
+    assert recurring_labels(moments, bounds, cost, -1e9) == list(range(5))
+
+
+def test_moments_agree_with_numpy():
+    values = np.random.default_rng(1).normal(size=(107, 4))
+    for block in (1, 10):
+        count, mean, covariance = Moments.of(values, block).between(2, 7)
+        part = values[2 * block : 7 * block]
+        assert count == len(part)
+        np.testing.assert_allclose(mean, part.mean(axis=0), atol=1e-13)
+        np.testing.assert_allclose(covariance, np.cov(part.T, bias=True), atol=1e-13)
+
+
+def test_correlation_time_of_a_known_process():
+    # x_t = a x_{t-1} + e has integrated autocorrelation time (1 + a) / (1 - a).
+    from roundelay.segmentation.model import _correlation_time
+
+    rng, a = np.random.default_rng(2), 0.8
+    x = np.zeros((60000, 1))
+    for t in range(1, len(x)):
+        x[t] = a * x[t - 1] + rng.normal()
+    assert _correlation_time(x, 300) == pytest.approx(9.0, rel=0.15)
+
+
+@pytest.mark.parametrize("option", ["sensitivity", "resolution", "shortest"])
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan")])
+def test_options_must_be_positive(option, value):
+    with pytest.raises(ValueError, match=option):
+        GaussianOptions(**{option: value})

@@ -1,0 +1,194 @@
+"""The entry: all methods on captures with known cuts, and bad input."""
+
+import json
+
+import numpy as np
+import pytest
+from tests.segmentation.conftest import make_capture
+
+from roundelay.errors import SkeletonMismatch, TooShort
+from roundelay.motion import concatenate
+from roundelay.segmentation import (
+    STANDARD_JOINTS,
+    GaussianOptions,
+    PPCAOptions,
+    score,
+    segment,
+    segment_channels,
+)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_default_finds_cuts_and_recurring_behaviours(seed):
+    made = make_capture("abcabd", seed=seed)
+    found = segment(made.motion)
+    assert score(found, made.truth).strict.f == 1.0
+    assert [s.label for s in found.segments] == [0, 1, 2, 0, 1, 3]
+    assert score(found, made.truth).label_accuracy > 0.98
+    assert all(s.score >= 1.0 for s in found.segments)
+
+
+@pytest.mark.parametrize("method", ["pca", "ppca", "gmm", "ppca-paper", "gmm-paper"])
+def test_methods_of_the_paper_give_a_whole_segmentation(capture, method):
+    found = segment(capture.motion, method=method)
+    assert found.segments[0].start == 0
+    assert found.n_frames == len(capture.motion)
+    assert all(a.stop == b.start for a, b in zip(found.segments, found.segments[1:], strict=False))
+    assert score(found, capture.truth).at(0.5).recall >= 0.6
+    assert len(found.curve.frames) == len(found.curve.values) > 0
+
+
+def test_ppca_finds_all_cuts(capture):
+    assert score(segment(capture.motion, method="ppca"), capture.truth).at(0.5).f >= 0.9
+
+
+def test_noise_changes_nothing(capture):
+    noisy = make_capture(noise=0.03)
+    assert score(segment(noisy.motion), noisy.truth).strict.f == 1.0
+
+
+@pytest.mark.parametrize("fps", [24.0, 30.0, 60.0, 100.0, 240.0])
+def test_frame_rate_does_not_matter(capture, fps):
+    reference = np.array(segment(capture.motion).cuts) / 120.0
+    other = np.array(segment(capture.motion.resample(fps)).cuts) / fps
+    np.testing.assert_allclose(other, reference, atol=0.35)
+
+
+def test_time_reversed_gives_the_same_cuts(capture):
+    values = capture.motion.rotations[:, 1:].reshape(len(capture.motion), -1)
+    forward = np.array(segment_channels(values, 120.0).cuts)
+    backward = len(values) - np.array(segment_channels(values[::-1], 120.0).cuts)[::-1]
+    np.testing.assert_allclose(forward, backward, atol=30)
+
+
+def test_units_of_channels_do_not_matter(capture):
+    values = capture.motion.rotations[:, 1:].reshape(len(capture.motion), -1)
+    assert segment_channels(values, 120.0).cuts == segment_channels(values * 57.3, 120.0).cuts
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 6, 9])
+def test_asked_number_of_segments_is_met(capture, count):
+    assert len(segment(capture.motion, n_segments=count)) == count
+
+
+def test_more_sensitive_is_not_coarser(capture):
+    counts = [len(segment(capture.motion, sensitivity=s)) for s in (0.2, 1.0, 5.0)]
+    assert counts == sorted(counts)
+    assert counts[0] < counts[2]
+
+
+def test_too_many_segments(capture):
+    with pytest.raises(ValueError, match=r"at most .* segments of at least 1 s"):
+        segment(capture.motion, n_segments=500)
+
+
+@pytest.mark.parametrize("method", ["gaussian", "pca", "ppca", "gmm", "ppca-paper", "gmm-paper"])
+def test_constant_capture_is_one_behaviour(capture, method):
+    still = concatenate([capture.motion[:1]] * 700)
+    found = segment(still, method=method)
+    assert len(found) == 1
+    assert found.segments[0].score is None
+
+
+def test_a_constant_capture_cannot_be_cut(capture):
+    with pytest.raises(ValueError, match="2 segments"):
+        segment(concatenate([capture.motion[:1]] * 700), n_segments=2)
+
+
+@pytest.mark.parametrize("frames", [1, 2, 30, 200])
+def test_short_capture_is_one_behaviour(capture, frames):
+    assert len(segment(capture.motion[:frames])) == 1
+
+
+@pytest.mark.parametrize("method", ["pca", "ppca", "gmm", "ppca-paper"])
+def test_short_capture_for_the_papers_methods(capture, method):
+    with pytest.raises(TooShort, match="found 100"):
+        segment(capture.motion[:100], method=method)
+
+
+def test_empty_capture(capture):
+    with pytest.raises(TooShort):
+        segment(capture.motion[:0])
+
+
+def test_missing_standard_joint_is_named():
+    made = make_capture("ab", names=[n for n in STANDARD_JOINTS if n != "ltibia"])
+    with pytest.raises(SkeletonMismatch, match="ltibia"):
+        segment(made.motion)
+    assert len(segment(made.motion, joints=["lfemur", "rfemur", "lhumerus", "head"])) == 2
+
+
+def test_unknown_joint_is_named(capture):
+    with pytest.raises(SkeletonMismatch, match="tail"):
+        segment(capture.motion, joints=["tail"])
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"method": "magic"},
+        {"method": "ppca", "sensitivity": 2.0},
+        {"method": "gmm", "n_segments": 3},
+        {"method": GaussianOptions(), "sensitivity": 2.0},
+        {"sensitivity": 0.0},
+        {"sensitivity": float("nan")},
+        {"n_segments": 0},
+        {"joints": []},
+    ],
+)
+def test_misuse(capture, arguments):
+    with pytest.raises(ValueError, match="expected"):
+        segment(capture.motion, **arguments)
+
+
+@pytest.mark.parametrize("values", [np.zeros(5), np.zeros((9, 0)), np.full((300, 2), np.nan)])
+def test_bad_channels(values):
+    with pytest.raises(ValueError, match="finite values"):
+        segment_channels(values, 120.0)
+
+
+def test_bad_rate():
+    with pytest.raises(ValueError, match="frame rate"):
+        segment_channels(np.zeros((9, 2)), 0.0)
+
+
+def test_options_choose_the_method(capture):
+    found = segment(capture.motion, method=PPCAOptions(threshold=2.0))
+    assert (found.method, found.options.threshold) == ("ppca", 2.0)
+
+
+def test_same_seed_same_mixture(capture):
+    results = [
+        segment(capture.motion, method="gmm", rng=np.random.default_rng(3)).cuts for _ in range(2)
+    ]
+    assert results[0] == results[1]
+
+
+def test_results_as_files(capture):
+    found = segment(capture.motion)
+    document = json.loads(found.to_json())
+    assert document["method"] == "gaussian"
+    assert document["options"]["sensitivity"] == 1.0
+    assert len(document["segments"]) == len(found)
+    rows = found.to_csv().splitlines()
+    assert rows[0].startswith("start,end,seconds,label,score")
+    assert len(rows) == len(found) + 1
+
+
+def test_clips_make_up_the_capture(capture):
+    found = segment(capture.motion)
+    clips = found.clips(capture.motion)
+    np.testing.assert_array_equal(concatenate(clips).rotations, capture.motion.rotations)
+    np.testing.assert_array_equal(
+        found.labels, np.repeat([s.label for s in found.segments], [len(clip) for clip in clips])
+    )
+    with pytest.raises(ValueError, match="frames"):
+        found.clips(capture.motion[:50])
+
+
+def test_curve_stands_above_one_at_cuts_only(capture):
+    found = segment(capture.motion)
+    at_cut = np.isin(found.curve.frames, found.cuts)
+    far = np.min(np.abs(found.curve.frames[:, None] - np.array(found.cuts)), axis=1) > 240
+    assert found.curve.values[at_cut].min() >= 1.0
+    assert found.curve.values[far].max() < 1.0

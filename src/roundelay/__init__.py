@@ -1,23 +1,52 @@
-"""From raw motion capture to clean behaviours and seamless, loopable, blendable cycles."""
+"""From raw motion capture to clean behaviours and seamless, loopable, blendable cycles.
 
-from roundelay.cycles.cycle import Cycle
-from roundelay.errors import (
-    Cancelled,
-    FormatError,
-    LiftError,
-    NoPeriod,
-    RoundelayError,
-    SkeletonMismatch,
-    TooLarge,
-    TooShort,
-)
-from roundelay.formats import read, write
-from roundelay.motion import Motion, concatenate
-from roundelay.periodicity import Evidence, TopologyOptions
-from roundelay.pipeline import Options, find_cycles
-from roundelay.skeleton import Skeleton
+Names are loaded when first used, so that the command line answers at once.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from roundelay.cycles.cycle import Cycle
+    from roundelay.errors import (
+        Cancelled,
+        FormatError,
+        LiftError,
+        NoPeriod,
+        RoundelayError,
+        SkeletonMismatch,
+        TooLarge,
+        TooShort,
+    )
+    from roundelay.formats import read, write
+    from roundelay.motion import Motion, concatenate
+    from roundelay.periodicity import Evidence, TopologyOptions
+    from roundelay.pipeline import Options, find_cycles
+    from roundelay.quality import Quality
+    from roundelay.skeleton import Skeleton
 
 __version__ = "0.1.0"
+
+_HOMES = {
+    "cycles.cycle": ("Cycle",),
+    "errors": (
+        "Cancelled",
+        "FormatError",
+        "LiftError",
+        "NoPeriod",
+        "RoundelayError",
+        "SkeletonMismatch",
+        "TooLarge",
+        "TooShort",
+    ),
+    "formats": ("read", "write"),
+    "motion": ("Motion", "concatenate"),
+    "periodicity": ("Evidence", "TopologyOptions"),
+    "pipeline": ("Options", "find_cycles"),
+    "quality": ("Quality",),
+    "skeleton": ("Skeleton",),
+}
+_HOME = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = [
     "Cancelled",
@@ -28,6 +57,7 @@ __all__ = [
     "Motion",
     "NoPeriod",
     "Options",
+    "Quality",
     "RoundelayError",
     "Skeleton",
     "SkeletonMismatch",
@@ -39,3 +69,16 @@ __all__ = [
     "read",
     "write",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        return getattr(import_module(f"roundelay.{_HOME[name]}"), name)
+    try:
+        return import_module(f"roundelay.{name}")
+    except ModuleNotFoundError:
+        raise AttributeError(f"module 'roundelay' has no attribute {name!r}") from None
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

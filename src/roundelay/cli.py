@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from typing import Annotated
 
 import typer
 
 from roundelay.commands.convert import convert
 from roundelay.commands.loop import loop
+from roundelay.commands.view import view
 
 __all__ = ["main"]
 
@@ -18,7 +20,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     help="From raw motion capture to seamless, loopable cycles.",
 )
-for command in (loop, convert):
+for command in (loop, view, convert):
     app.command()(command)
 
 
@@ -41,4 +43,8 @@ def _options(
 
 def main() -> None:
     """Run the command line."""
+    # The matrices here are small: threads of the linear algebra would only get in each
+    # other's way. Set before numpy is loaded, unless the user has.
+    for library in ("OPENBLAS", "MKL", "OMP"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     app()

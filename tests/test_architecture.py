@@ -1,0 +1,52 @@
+"""Rules of the whole: public names, core dependencies, files that appear whole."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+import roundelay
+from roundelay.errors import FormatError
+from roundelay.files import written_beside
+
+
+def test_all_public_names_exist_and_are_documented():
+    assert list(roundelay.__all__) == sorted(roundelay.__all__)
+    for name in roundelay.__all__:
+        assert getattr(roundelay, name).__doc__, name
+
+
+def test_the_core_runs_on_numpy_alone():
+    """Blender has NumPy and nothing else."""
+    code = """
+import sys
+for name in ("scipy", "sklearn", "matplotlib", "rich", "typer", "ezc3d", "ripser"):
+    sys.modules[name] = None
+import roundelay as rl
+from roundelay import synth
+print(len(rl.find_cycles(synth.gait("walk").motion)[0].sample(30)))
+"""
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.strip() == "33"
+
+
+def test_an_interrupted_file_is_not_there(tmp_path):
+    target = tmp_path / "result.json"
+    target.write_text("old")
+
+    def interrupted() -> None:
+        with written_beside(target) as part:
+            part.write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_format_errors_tell_the_place():
+    assert str(FormatError("expected x", path="a.bvh", line=3, column=7)) == "a.bvh:3:7: expected x"
+    assert str(FormatError("expected x")) == "expected x"

@@ -1,0 +1,152 @@
+"""The command line, as people and programs use it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import roundelay as rl
+from roundelay import synth
+from roundelay.cli import app
+
+runner = CliRunner()
+
+
+@pytest.fixture(scope="module")
+def walk(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("captures") / "walk.bvh"
+    rl.write(synth.gait("walk", repetitions=2.6).motion, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def looped(walk, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("loops")
+    result = runner.invoke(app, ["loop", str(walk), "-o", str(folder)])
+    return folder, result
+
+
+def test_loop_writes_the_loop_its_record_and_a_picture(looped):
+    folder, result = looped
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "walk_loop.bvh",
+        "walk_loop.json",
+        "walk_loop.png",
+    ]
+    assert "period 1.10 s" in result.stdout
+    assert len(rl.read(folder / "walk_loop.bvh")) == 132
+
+
+def test_the_record_holds_results_and_options(looped):
+    record = json.loads((looped[0] / "walk_loop.json").read_text())
+    (cycle,) = record["cycles"]
+    assert record["roundelay"] == rl.__version__
+    assert record["options"]["frames"] is None
+    assert record["capture"]["file"] == "walk.bvh"
+    assert cycle["period_seconds"] == pytest.approx(1.1, rel=0.01)
+    assert cycle["parts"] == [[0, 343]]
+    assert cycle["barcode"][0][1] > cycle["barcode"][0][0]
+    assert set(cycle["quality"]) >= {"seam_rotation", "template_error", "loop_jerk"}
+
+
+def test_json_is_all_that_is_printed(walk, tmp_path):
+    result = runner.invoke(app, ["loop", str(walk), "-o", str(tmp_path), "--json", "--no-picture"])
+    assert json.loads(result.stdout)["cycles"][0]["files"] == ["walk_loop.bvh"]
+
+
+def test_sampling_options(walk, tmp_path):
+    arguments = ["--fps", "30", "--periods", "2", "--repeat-first", "--in-place", "--no-picture"]
+    result = runner.invoke(app, ["loop", str(walk), "-o", str(tmp_path), *arguments])
+    loop = rl.read(tmp_path / "walk_loop.bvh")
+    assert result.exit_code == 0
+    assert len(loop) == 2 * 33 + 1
+    assert np.allclose(loop.root_path[0], loop.root_path[-1], atol=1e-4)
+    assert np.allclose(loop.rotations[0], loop.rotations[-1], atol=1e-4)
+
+
+def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
+    path = tmp_path / "wander.bvh"
+    rl.write(synth.wander(5.0).motion, path)
+    result = runner.invoke(app, ["loop", str(path), "-o", str(tmp_path)])
+    assert result.exit_code == 3
+    assert result.stderr.startswith("roundelay: no periodic motion found")
+    assert result.stderr.count("\n") == 1
+    record = json.loads((tmp_path / "wander_loop.json").read_text())
+    assert record["cycles"] == []
+    assert "no periodic motion" in record["reason"]
+    assert not (tmp_path / "wander_loop.bvh").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["loop", "nothing.bvh"], "No such file"),
+        (["loop", "{walk}", "--frames", "5"], "START:STOP"),
+        (["loop", "{walk}", "--frames", "0:9999"], "frames within"),
+        (["loop", "{walk}", "--joints", "Tail"], "no joint 'Tail'"),
+        (["loop", "{walk}", "--prime", "48"], "prime"),
+        (["loop", "{walk}", "--fps", "-1"], "positive frame rate"),
+        (["loop", "{walk}", "--file-format", "fbx"], "bvh or amc"),
+        (["loop", "{readme}"], "file of type"),
+        (["convert", "{walk}", "{out}/walk.fbx"], "file of type"),
+        (["convert", "{walk}", "{out}/walk.bvh", "--scale", "0"], "positive scale"),
+        (["convert", "{walk}", "{out}/walk.bvh", "--frames", "9:3"], "frames within"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(walk, tmp_path, arguments, message):
+    readme = tmp_path / "notes.txt"
+    readme.write_text("no capture")
+    filled = [a.format(walk=walk, readme=readme, out=tmp_path) for a in arguments]
+    result = runner.invoke(app, filled)
+    assert result.exit_code == 2, result.output
+    assert message in result.stderr
+    assert result.stderr.startswith("roundelay: ")
+    assert result.stderr.count("\n") == 1
+
+
+def test_a_truncated_file_is_refused_with_its_place(walk, tmp_path):
+    path = tmp_path / "cut.bvh"
+    path.write_text(walk.read_text()[:-2000])
+    result = runner.invoke(app, ["loop", str(path), "-o", str(tmp_path)])
+    assert result.exit_code == 2
+    assert f"{path}:" in result.stderr
+    assert list(tmp_path.glob("*.json")) == []
+
+
+def test_convert_there_and_back(walk, tmp_path):
+    there, back = tmp_path / "walk.amc", tmp_path / "back.bvh"
+    assert runner.invoke(app, ["convert", str(walk), str(there)]).exit_code == 0
+    assert (tmp_path / "walk.asf").exists()
+    assert runner.invoke(app, ["convert", str(there), str(back)]).exit_code == 0
+    made, read = rl.read(walk), rl.read(back)
+    joints = [read.skeleton.names.index(name) for name in ("LeftFoot", "RightHand")]
+    wanted = [made.skeleton.names.index(name) for name in ("LeftFoot", "RightHand")]
+    apart = read.positions()[:, joints] - made.positions()[:, wanted]
+    assert np.abs(apart - apart[0, 0]).max() < 1e-3
+
+
+def test_convert_resamples_crops_and_scales(walk, tmp_path):
+    target = tmp_path / "small.bvh"
+    arguments = ["--fps", "30", "--frames", "10:250", "--scale", "0.01"]
+    result = runner.invoke(app, ["convert", str(walk), str(target), *arguments])
+    assert result.exit_code == 0, result.output
+    small = rl.read(target)
+    assert len(small) == 60
+    assert small.fps == pytest.approx(30.0)
+    assert small.skeleton.size == pytest.approx(rl.read(walk).skeleton.size * 0.01, rel=1e-4)
+
+
+def test_help_does_not_load_what_draws():
+    code = (
+        "import sys; from roundelay.cli import app; "
+        "print([m for m in ('matplotlib', 'scipy', 'sklearn') if m in sys.modules])"
+    )
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.strip() == "[]"

@@ -6,6 +6,8 @@ Names are loaded when first used, so that the command line answers at once.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from roundelay.version import __version__ as __version__
+
 if TYPE_CHECKING:
     from roundelay.cycles.cycle import Cycle
     from roundelay.errors import (
@@ -24,8 +26,6 @@ if TYPE_CHECKING:
     from roundelay.pipeline import Options, find_cycles
     from roundelay.quality import Quality
     from roundelay.skeleton import Skeleton
-
-__version__ = "0.1.0"
 
 _HOMES = {
     "cycles.cycle": ("Cycle",),

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-import roundelay
 from roundelay.cycles.cycle import Cycle
 from roundelay.errors import NoPeriod
 from roundelay.files import written_beside
@@ -19,6 +18,7 @@ from roundelay.periodicity import Evidence
 from roundelay.pipeline import Options
 from roundelay.quality import Quality
 from roundelay.topology.rips import Barcode
+from roundelay.version import __version__
 
 __all__ = ["capture_record", "cycle_record", "refusal_record", "write_json"]
 
@@ -29,7 +29,7 @@ _MOST_BARS = 100
 def capture_record(motion: Motion, path: Path, options: Options) -> dict[str, Any]:
     """Describe the capture, the options and the version that read it."""
     return {
-        "roundelay": roundelay.__version__,
+        "roundelay": __version__,
         "capture": {
             "file": path.name,
             "frames": len(motion),

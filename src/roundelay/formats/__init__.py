@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from roundelay.errors import TooShort
+from roundelay.errors import FormatError, TooShort
 from roundelay.formats import acclaim_writer, amc, bvh, bvh_writer
 from roundelay.geometry.kinematics import vertical_axis
 from roundelay.motion import Motion
@@ -53,14 +53,17 @@ def read(
     Raises
     ------
     FormatError
-        If the file is not what its format says, with line and column.
+        If the file is of no known format, or not what its format says, with line and column.
     ValueError
-        If the suffix is not known, or a skeleton is given for a file that holds its own.
+        If a skeleton is given for a file that holds its own.
     OSError
         If the file cannot be read.
     """
     path = Path(path)
-    known = _known(path)
+    try:
+        known = _known(path)
+    except ValueError as error:
+        raise FormatError(str(error), path=path) from None
     if not known.takes_skeleton:
         if skeleton is not None:
             raise ValueError(f"expected no skeleton: a {path.suffix} file holds its own")

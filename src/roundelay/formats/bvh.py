@@ -49,13 +49,17 @@ def read(path: Path) -> Motion:
     FormatError
         If the file is not a whole BVH, with line and column.
     """
-    source = text.without_comments(text.load(path))
-    cursor = text.Cursor(source)
-    skeleton = read_hierarchy(cursor)
-    frames, frame_time = _heading(cursor, skeleton.layout.width)
-    values = _body(cursor, frames, skeleton)
+    skeleton, values, frame_time = _parse(path)
     skeleton = replace(skeleton, layout=_with_windings(skeleton.layout, values))
     return _motion(skeleton, values, frame_time, path.stem)
+
+
+def _parse(path: Path) -> tuple[Skeleton, Array, float]:
+    """Return the skeleton, the channels (F, C) and the seconds a frame."""
+    cursor = text.Cursor(text.without_comments(text.load(path)))
+    skeleton = read_hierarchy(cursor)
+    frames, frame_time = _heading(cursor, skeleton.layout.width)
+    return skeleton, _body(cursor, frames, skeleton), frame_time
 
 
 def _with_windings(layout: BvhLayout, values: Array) -> BvhLayout:
@@ -104,7 +108,7 @@ def _body(cursor: text.Cursor, frames: int, skeleton: Skeleton) -> Array:
         warnings.warn(
             f"{cursor.source.path}: one frame more than the {frames} promised, left out",
             RoundelayWarning,
-            stacklevel=4,
+            stacklevel=5,
         )
     elif len(values) != frames * width:
         raise _wrong_count(cursor.source, start, frames, width, len(values))

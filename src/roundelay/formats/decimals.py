@@ -22,6 +22,7 @@ Places = NDArray[np.intp]
 
 _NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
+_BLANK = re.compile(rb"\s")
 _NUMERIC = b"0123456789+-.eE \t\r\n\v\f"
 _BLOCK = 1 << 17
 # Larger values are no length or angle, and their squares would overflow.
@@ -39,12 +40,16 @@ def is_number(word: bytes) -> bool:
     return _NUMBER.fullmatch(word) is not None and abs(float(word)) < _LARGEST
 
 
-def parse(text: bytes) -> Array | None:
-    """Return the numbers (n,) in text of nothing else, or None if a word is not one."""
-    if text.translate(None, _NUMERIC):
-        return None
-    parts = []
-    start = 0
+def parse(text: bytes, start: int = 0) -> Array | None:
+    """Return the numbers (n,) in text of nothing else, or None if a word is not one.
+
+    Parameters
+    ----------
+    text : bytes
+    start : int
+        Where the numbers begin; what stands before is not looked at.
+    """
+    parts = [np.empty(0)]
     while start < len(text):
         stop = _block_end(text, start)
         part = _parse_block(text[start:stop])
@@ -52,19 +57,18 @@ def parse(text: bytes) -> Array | None:
             return None
         parts.append(part)
         start = stop
-    return np.concatenate(parts) if parts else np.empty(0)
+    return np.concatenate(parts)
 
 
 def _block_end(text: bytes, start: int) -> int:
     """Return the end of a block, at a blank unless the text is one long word."""
-    stop = start + _BLOCK
-    if stop >= len(text):
-        return len(text)
-    found = re.compile(rb"\s").search(text, stop)
+    found = _BLANK.search(text, start + _BLOCK)
     return found.start() if found else len(text)
 
 
 def _parse_block(block: bytes) -> Array | None:
+    if block.translate(None, _NUMERIC):
+        return None
     # Eight blanks in front let every number be read as a whole word of memory.
     padded = b" " * 8 + block + b" "
     chars = np.frombuffer(padded, np.uint8)

@@ -109,6 +109,8 @@ def _refuse_binary(source: Source) -> None:
 
 def without_comments(source: Source) -> Source:
     """Return the file with comments (from ``#`` or ``//`` to the line's end) blanked out."""
+    if b"#" not in source.data and b"//" not in source.data:
+        return source
     data = bytearray(source.data)
     for mark in (b"#", b"//"):
         at = data.find(mark)
@@ -202,7 +204,7 @@ def numbers(source: Source, start: int) -> NDArray[np.float64]:
     FormatError
         At the first word that is not a finite decimal number.
     """
-    values = decimals.parse(source.data[start:])
+    values = decimals.parse(source.data, start)
     if values is None:
         raise _bad_number(source, start)
     return values

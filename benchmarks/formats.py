@@ -1,0 +1,213 @@
+"""Reading and writing BVH and AMC: speed and memory, beside other readers, and what they take.
+
+Usage: python -m benchmarks.formats --data FOLDER [--json]
+
+Every reader runs in this process on the same files; the best of several runs counts. Frames per
+second of reading include what each makes of the numbers: quaternions here, Euler angles in
+pybvh and pymotion, transforms in bvhio. The odd and broken files of `bvh_samples` are read in a
+process of their own. Memory is the peak of what Python and NumPy allocate during a read, less
+the result, in multiples of the file's size.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import json
+import tempfile
+import time
+import tracemalloc
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import roundelay as rl
+from benchmarks import sandbox
+from benchmarks.bvh_samples import BROKEN, VALID, text
+
+FRAMES, JOINTS = 3, 3
+SECONDS = 10.0
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A reader and writer: read(path) -> (motion, frames, joints), write(motion, path)."""
+
+    read: Callable[[str], tuple[Any, int, int]]
+    write: Callable[[Any, str], None]
+    runs: int = 7
+
+
+def _roundelay(path: str) -> tuple[Any, int, int]:
+    motion = rl.read(path)
+    return motion, len(motion), motion.skeleton.n_joints
+
+
+def _pybvh(path: str) -> tuple[Any, int, int]:
+    import pybvh
+
+    motion = pybvh.read_bvh_file(path)
+    return motion, motion.frame_count, motion.joint_count
+
+
+def _write_pybvh(motion: Any, path: str) -> None:
+    import pybvh
+
+    pybvh.write_bvh_file(motion, path)
+
+
+def _pymotion(path: str) -> tuple[Any, int, int]:
+    from pymotion.io.bvh import BVH
+
+    motion = BVH()
+    motion.load(path)
+    return motion, *motion.data["rotations"].shape[:2]
+
+
+def _bvhio(path: str) -> tuple[Any, int, int]:
+    import bvhio
+
+    motion = bvhio.readAsBvh(path)
+    return motion, len(motion.Root.Keyframes), len(motion.Root.layout())
+
+
+def _write_bvhio(motion: Any, path: str) -> None:
+    import bvhio
+
+    bvhio.writeBvh(path, motion)
+
+
+PEERS = {
+    "roundelay": Peer(_roundelay, rl.write),
+    "pybvh": Peer(_pybvh, _write_pybvh),
+    "upc-pymotion": Peer(_pymotion, lambda motion, path: motion.save(path)),
+    "bvhio": Peer(_bvhio, _write_bvhio, runs=1),
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    arguments = parser.parse_args()
+    warnings.simplefilter("ignore")
+    with tempfile.TemporaryDirectory() as folder:
+        result = _measure(arguments.data, Path(folder))
+    print(json.dumps(result, indent=1) if arguments.json else _table(result))
+
+
+def _measure(data: Path, folder: Path) -> dict[str, Any]:
+    amc = data / "cmu" / "acclaim" / "86" / "86_01.amc"
+    bvh = folder / "86_01.bvh"
+    rl.write(rl.read(amc), bvh)
+    files = {"86_01.bvh": bvh, "01_03.bvh": data / "bundle" / "01_03.bvh"}
+    samples = {name: _samples(name, folder) for name in PEERS}
+    speeds = {title: _race(path, folder) for title, path in files.items()}
+    speeds["86_01.amc"] = {"roundelay": _speed(PEERS["roundelay"], amc, folder / "out.amc")}
+    memory = {path.name: _memory(path) for path in (*files.values(), amc)}
+    return {"frames_per_second": speeds, "samples": samples, "peak_memory": memory} | {
+        "checks": _checks(speeds, samples, memory)
+    }
+
+
+def _race(path: Path, folder: Path) -> dict[str, Any]:
+    """Time all readers in turns, so that a busy machine slows all alike."""
+    best: dict[str, dict[str, float]] = {}
+    for _ in range(2):
+        for name, peer in PEERS.items():
+            now = _speed(peer, path, folder / f"{name}.bvh")
+            before = best.get(name, now)
+            best[name] = {key: max(value, before[key]) for key, value in now.items()}
+    return best
+
+
+def _speed(peer: Peer, path: Path, copy: Path) -> dict[str, float]:
+    motion, frames, joints = peer.read(str(path))
+    reading = min(_time(lambda: peer.read(str(path))) for _ in range(peer.runs))
+    writing = min(_time(lambda: peer.write(motion, str(copy))) for _ in range(peer.runs))
+    return {
+        "frames": frames,
+        "joints": joints,
+        "read": round(frames / reading),
+        "write": round(frames / writing),
+    }
+
+
+def _time(work: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+def _memory(path: Path) -> dict[str, float]:
+    tracemalloc.start()
+    motion = rl.read(path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    size = path.stat().st_size
+    result = motion.rotations.nbytes + motion.root_path.nbytes
+    return {"file": size, "result": result, "times_the_file": round((peak - result) / size, 2)}
+
+
+def _samples(name: str, folder: Path) -> dict[str, Any]:
+    """Count odd files read right and broken files refused; name the others."""
+    paths = {}
+    for kind, samples in (("valid", VALID), ("broken", BROKEN)):
+        for title, changes in samples.items():
+            paths[kind, title] = folder / f"{kind} {title}.bvh".replace("^", "")
+            paths[kind, title].write_bytes(text(changes).encode())
+    work = functools.partial(_outcome, name)
+    outcomes = dict(zip(paths, sandbox.run(work, map(str, paths.values()), SECONDS), strict=True))
+    unread = [t for (kind, t), found in outcomes.items() if kind == "valid" and found != "right"]
+    taken = {t: f for (kind, t), f in outcomes.items() if kind == "broken" and f != "refused"}
+    return {
+        "valid_read": f"{len(VALID) - len(unread)}/{len(VALID)}",
+        "broken_refused": f"{len(BROKEN) - len(taken)}/{len(BROKEN)}",
+        "valid_not_read": unread,
+        "broken_not_refused": taken,
+    }
+
+
+def _outcome(name: str, path: str) -> str:
+    warnings.simplefilter("ignore")
+    try:
+        _, frames, joints = PEERS[name].read(path)
+    except MemoryError:
+        return "out of memory"
+    except Exception:
+        return "refused"
+    return "right" if (frames, joints) == (FRAMES, JOINTS) else f"{frames} x {joints}"
+
+
+def _checks(speeds: Any, samples: Any, memory: Any) -> dict[str, bool]:
+    strict = [name for name, sample in samples.items() if not sample["broken_not_refused"]]
+    readings = {name: speeds["86_01.bvh"][name]["read"] for name in PEERS}
+    return {
+        "all_broken_files_refused": "roundelay" in strict,
+        "fastest_of_those_that_refuse_all": readings["roundelay"]
+        >= max((readings[name] for name in strict), default=0),
+        "fastest_of_all": readings["roundelay"] >= max(readings.values()),
+        "amc_30000_frames_per_second": speeds["86_01.amc"]["roundelay"]["read"] >= 30000,
+        "memory_8_times_the_file": all(file["times_the_file"] <= 8 for file in memory.values()),
+    }
+
+
+def _table(result: dict[str, Any]) -> str:
+    lines = []
+    for title, peers in result["frames_per_second"].items():
+        lines.append(f"{title}: frames per second read, written")
+        for name, speed in peers.items():
+            lines.append(f"  {name:14}{speed['read']:>10}{speed['write']:>10}")
+    lines.append("odd files read right, broken files refused")
+    for name, sample in result["samples"].items():
+        lines.append(f"  {name:14}{sample['valid_read']:>10}{sample['broken_refused']:>10}")
+    lines.append("peak memory beyond the result, in file sizes")
+    for name, memory in result["peak_memory"].items():
+        lines.append(f"  {name:14}{memory['times_the_file']:>10}")
+    return "\n".join(lines + [f"{check}: {held}" for check, held in result["checks"].items()])
+
+
+if __name__ == "__main__":
+    main()

@@ -15,7 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["HarmonicCurve", "crossfade_weights", "fit_harmonic", "highest_harmonic"]
+__all__ = [
+    "HarmonicCurve",
+    "crossfade_weights",
+    "design_matrix",
+    "fit_harmonic",
+    "highest_harmonic",
+]
 
 Array = NDArray[np.float64]
 
@@ -53,12 +59,16 @@ class HarmonicCurve:
         -------
         (n, d) ndarray
         """
-        angle = 2 * np.pi * np.asarray(phase, float)[:, None] * self.frequencies
-        scale = (2 * np.pi * self.frequencies) ** derivative
-        quarter = 0.5 * np.pi * derivative
-        value = (scale * np.sin(angle + quarter)) @ self.sine
-        value += (scale * np.cos(angle + quarter)) @ self.cosine
+        waves = _waves(phase, self.frequencies, derivative)
+        value = waves @ np.concatenate([self.sine, self.cosine])
         return value + self.constant if derivative == 0 else value
+
+    @classmethod
+    def from_solution(cls, solution: Array) -> HarmonicCurve:
+        """Take the coefficients (2 K + 1, d) that belong to the columns of `design_matrix`."""
+        count = len(solution) // 2
+        frequencies = np.arange(1.0, count + 1)
+        return cls(frequencies, solution[-1], solution[:count], solution[count:-1])
 
     def integral(self, phase: ArrayLike) -> Array:
         """Return the integral over phase from 0, (n, d), the constant's included."""
@@ -67,6 +77,30 @@ class HarmonicCurve:
         scale = 1.0 / (2 * np.pi * self.frequencies)
         value = (scale * (1.0 - np.cos(angle))) @ self.sine + (scale * np.sin(angle)) @ self.cosine
         return value + x[:, None] * self.constant
+
+
+def design_matrix(phase: ArrayLike, harmonics: int, *, derivative: int = 0) -> Array:
+    """Return the regressors (n, 2 K + 1) of [C] eq. 3.5: K sines, K cosines and the constant.
+
+    Parameters
+    ----------
+    phase : (n,) array_like
+        In turns.
+    harmonics : int
+        K.
+    derivative : int
+        0 for values, 1 for derivatives by phase, and so on; the constant's column is then 0.
+    """
+    waves = _waves(phase, np.arange(1.0, harmonics + 1), derivative)
+    return np.hstack([waves, np.full((len(waves), 1), float(derivative == 0))])
+
+
+def _waves(phase: ArrayLike, frequencies: Array, derivative: int = 0) -> Array:
+    """Return sines and cosines (n, 2 m) of all frequencies, or their derivatives by phase."""
+    angle = 2 * np.pi * np.asarray(phase, float)[:, None] * frequencies
+    angle += 0.5 * np.pi * derivative
+    scale = (2 * np.pi * frequencies) ** derivative
+    return np.hstack([scale * np.sin(angle), scale * np.cos(angle)])
 
 
 def highest_harmonic(period: float, *, bandwidth: float = 15.0) -> int:
@@ -145,9 +179,9 @@ def fit_harmonic(
     w = np.ones(len(x)) if weights is None else np.asarray(weights, float)
     w = w * (len(w) / w.sum())
     frequencies: Array = np.arange(1.0, harmonics + 1) - (0.5 if odd else 0.0)
-    angle = 2 * np.pi * x[:, None] * frequencies
-    basis = [np.sin(angle), np.cos(angle)] + ([] if odd else [np.ones((len(x), 1))])
-    design = np.hstack(basis) * np.sqrt(w)[:, None]
+    waves = _waves(x, frequencies)
+    design = waves if odd else np.hstack([waves, np.ones((len(x), 1))])
+    design = design * np.sqrt(w)[:, None]
     rough = np.concatenate([frequencies**4, frequencies**4, [] if odd else [0.0]])
     solution = _cross_validated(design, y * np.sqrt(w)[:, None], rough)
     constant = np.zeros(y.shape[1]) if odd else solution[-1]

@@ -1,0 +1,92 @@
+"""[C] to the letter: its equations by themselves, and on values whose answer is known."""
+
+import numpy as np
+import pytest
+
+from roundelay.cycles import paper
+from roundelay.cycles.harmonic import design_matrix
+from roundelay.errors import NoPeriod, TooShort
+
+
+@pytest.fixture
+def turning() -> np.ndarray:
+    """Three periods of 60 frames of a closed curve in 6 dimensions."""
+    phase = 2 * np.pi * np.arange(180) / 60
+    waves = [np.sin(phase), np.cos(phase), 0.3 * np.sin(2 * phase), 0.2 * np.cos(3 * phase)]
+    return np.column_stack([*waves, waves[0] - waves[2], np.full(180, 0.7)])
+
+
+def test_differences_are_exact_to_the_eighth_degree() -> None:
+    x = np.arange(20) / 7.0
+    velocity, acceleration = paper.finite_differences((x**7)[:, None], 7.0)
+    assert np.allclose(velocity[:, 0], 7 * x[4:-4] ** 6, rtol=1e-9, atol=1e-7)
+    assert np.allclose(acceleration[:, 0], 42 * x[4:-4] ** 5, rtol=1e-8, atol=1e-6)
+    with pytest.raises(TooShort):
+        paper.finite_differences(np.zeros((8, 1)), 4.0)
+
+
+def test_delay_embedding_stacks_following_frames() -> None:
+    rows = paper.delay_embedding(np.arange(10.0).reshape(5, 2), 2)
+    assert rows.shape == (3, 6)
+    assert rows[0].tolist() == [0, 1, 2, 3, 4, 5]
+
+
+@pytest.mark.parametrize("model", ["M1", "M2", "M3"])
+def test_models_recover_a_harmonic_function(model: str) -> None:
+    rng = np.random.default_rng(0)
+    truth = rng.normal(size=(9, 3))
+    phase = (np.arange(200) / 50.0) % 1.0
+    values = design_matrix(phase, 4) @ truth
+    curve, errors = paper.fit_model(phase, values, 50.0, paper.PaperOptions(model, harmonics=6))
+    assert np.allclose(curve(phase), values, atol=1e-3)
+    assert errors[0] < 1e-3
+    assert np.isnan(errors[1]) == (model == "M2")
+
+
+def test_m1_weighs_groups_by_their_own_noise() -> None:
+    """With noise on values alone, finite differences are worse than values: small weights."""
+    rng = np.random.default_rng(1)
+    phase = np.arange(300) / 60.0 % 1.0
+    clean = np.column_stack([np.sin(2 * np.pi * phase), np.cos(4 * np.pi * phase)])
+    noisy = clean + rng.normal(scale=0.02, size=clean.shape)
+    fits = {
+        model: paper.fit_model(phase, noisy, 60.0, paper.PaperOptions(model))[0]
+        for model in ("M1", "M2", "M3")
+    }
+    miss = {model: np.abs(fit(phase) - clean).max() for model, fit in fits.items()}
+    assert miss["M1"] < 0.05 < miss["M3"]
+    # What [C] claims for M1: values, velocities and accelerations fitted equally well.
+    errors = paper.fit_model(phase, noisy, 60.0, paper.PaperOptions())[1]
+    assert max(errors) < 1.5 * min(errors)
+
+
+@pytest.mark.parametrize("remap", ["rank", "mixture"])
+def test_extraction_finds_the_period(turning: np.ndarray, remap: str) -> None:
+    found = paper.extract(turning, paper.PaperOptions(harmonics=5, remap=remap))
+    assert found.period == pytest.approx(60.0, rel=0.02)
+    assert found.period_count == pytest.approx(178 / 60, rel=0.02)
+    assert found.sample().shape == (int(found.period), 6)
+    error, _ = paper.template_error(turning, found.sample())
+    assert error < 0.12
+
+
+def test_extraction_says_why_it_fails() -> None:
+    line = np.linspace(0.0, 50.0, 60)[:, None] * np.ones(3)
+    with pytest.raises(NoPeriod, match="below the scale"):
+        paper.extract(line, paper.PaperOptions(scale=2.0))
+
+
+def test_translation_has_a_line_where_asked() -> None:
+    x = np.arange(150) / 50.0
+    path = np.column_stack([2.0 * x + 0.1 * np.sin(2 * np.pi * x), np.cos(2 * np.pi * x)])
+    curve, slope = paper.fit_translation(x, path, 3, linear=[True, False])
+    assert slope == pytest.approx([2.0, 0.0], abs=1e-9)
+    assert np.allclose(curve(x) + x[:, None] * slope, path, atol=1e-9)
+
+
+def test_template_matching_finds_the_offset() -> None:
+    loop = np.random.default_rng(2).normal(size=(30, 4))
+    capture = np.tile(loop, (3, 1))[7:80]
+    error, offset = paper.template_error(capture, loop)
+    assert offset == 7
+    assert error == pytest.approx(0.0, abs=1e-6)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from roundelay.periodicity import Evidence
     from roundelay.topology.rips import Barcode
 
-__all__ = ["barcode", "coordinate", "overview", "plane", "save"]
+__all__ = ["barcode", "coordinate", "new_figure", "overview", "plane", "save"]
 
 _INK, _ACCENT, _PALE = "#33415c", "#d1495b", "#b8c0cc"
 _PHASE_COLOURS = "twilight"
@@ -94,7 +94,7 @@ def overview(motion: Motion, cycles: list[Cycle]) -> Figure:
     matplotlib.figure.Figure
     """
     motion = motion.with_root_motion()
-    figure = _figure(17.0, 4.8 * len(cycles))
+    figure = new_figure(17.0, 4.8 * len(cycles))
     grid = figure.subplots(len(cycles), 3, squeeze=False, width_ratios=(1.0, 1.4, 1.2))
     for row, cycle in zip(grid, cycles, strict=True):
         if cycle.evidence is not None:
@@ -115,7 +115,8 @@ def save(figure: Figure, path: Path, *, dpi: int = 90) -> None:
         figure.savefig(part, dpi=dpi)
 
 
-def _figure(width: float, height: float) -> Any:
+def new_figure(width: float, height: float) -> Figure:
+    """Make a figure of a width and height in inches."""
     # The object-oriented interface draws without a screen and without global state.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

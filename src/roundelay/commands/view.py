@@ -1,0 +1,74 @@
+"""``roundelay view``: one self-contained page of a capture, its evidence and its loops."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from roundelay.commands.common import (
+    Capture,
+    Frames,
+    Skeleton,
+    frame_range,
+    one_line_errors,
+    progress_bar,
+    read_capture,
+)
+
+if TYPE_CHECKING:
+    from roundelay.motion import Motion
+    from roundelay.pipeline import Options
+    from roundelay.progress import Progress
+
+Page = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", help="The page; NAME.html by default.", show_default=False),
+]
+Open = Annotated[bool, typer.Option("--open", help="Show it in the browser.")]
+
+
+def view(
+    capture: Capture,
+    output: Page = None,
+    skeleton: Skeleton = None,
+    frames: Frames = None,
+    open_page: Open = False,
+) -> None:
+    """Write one HTML page: the capture moving, its periodic parts, the evidence, the loops.
+
+    The page needs no server and asks nothing of the network. A capture with no periodic motion
+    gets one too, which says why.
+
+    Exit code 0: the page was written; 2: bad input.
+    """
+    from roundelay.files import written_beside
+    from roundelay.pipeline import Options
+
+    with one_line_errors():
+        with progress_bar(quiet=False) as progress:
+            motion = read_capture(capture, skeleton)
+            options = Options(frames=frame_range(frames, len(motion)))
+            text, note = _page(motion, options, progress)
+        path = Path(f"{capture.stem}.html") if output is None else output
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with written_beside(path) as part:
+            part.write_text(text, encoding="utf-8")
+        typer.echo(f"{path}: {note}; {len(text) / 1e3:.0f} kB")
+        if open_page:
+            typer.launch(path.resolve().as_uri())
+
+
+def _page(motion: Motion, options: Options, progress: Progress | None) -> tuple[str, str]:
+    """Return the page and what it shows in a few words."""
+    from roundelay.errors import NoPeriod
+    from roundelay.page import build_page
+    from roundelay.pipeline import find_cycles
+
+    try:
+        cycles = find_cycles(motion, options, progress=progress)
+    except NoPeriod as refusal:
+        return build_page(motion, refusal=refusal), "no periodic motion found, the page says why"
+    count = "1 periodic motion" if len(cycles) == 1 else f"{len(cycles)} periodic motions"
+    return build_page(motion, cycles), count

@@ -1,0 +1,5 @@
+"""Pictures of results, with Matplotlib, which is imported only when one is drawn."""
+
+from roundelay.figures.overview import barcode, coordinate, overview, plane, save
+
+__all__ = ["barcode", "coordinate", "overview", "plane", "save"]

@@ -1,0 +1,65 @@
+"""Build the page of a capture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from roundelay.cycles.cycle import Cycle
+from roundelay.errors import NoPeriod
+from roundelay.figures.palette import phase_colours
+from roundelay.motion import Motion
+from roundelay.page.bundle import bundle
+from roundelay.page.capture import Space, capture_data
+from roundelay.page.findings import cycle_data, refusal_data
+from roundelay.page.packing import Packer
+from roundelay.version import __version__
+
+__all__ = ["build_page"]
+
+
+def build_page(
+    motion: Motion, cycles: Sequence[Cycle] = (), *, refusal: NoPeriod | None = None
+) -> str:
+    """Return a self-contained HTML page of a capture.
+
+    Parameters
+    ----------
+    motion : Motion
+        The capture.
+    cycles : sequence of Cycle
+        What `roundelay.find_cycles` found in it.
+    refusal : NoPeriod, optional
+        Why it found none; the page then shows the capture, the reason and the evidence.
+
+    Returns
+    -------
+    str
+        HTML that makes no outside request.
+
+    Raises
+    ------
+    ValueError
+        If a cycle carries no evidence of where it was found.
+    """
+    packer, space = Packer(), Space.of(motion)
+    document: dict[str, Any] = {
+        "name": motion.name or "capture",
+        "version": __version__,
+        "colours": phase_colours(64),
+        "capture": capture_data(motion, space, packer),
+        "reason": "" if refusal is None else str(refusal),
+    }
+    if refusal is not None:
+        document["motions"] = refusal_data(motion, refusal, packer)
+    else:
+        document["motions"] = [
+            cycle_data(motion, cycle, space, packer, file=_file_name(motion.name, number))
+            for number, cycle in enumerate(cycles, 1)
+        ]
+    return bundle(document["name"], packer.text(document))
+
+
+def _file_name(name: str, number: int) -> str:
+    """Name a loop as ``roundelay loop`` does."""
+    return f"{name or 'capture'}_loop{number if number > 1 else ''}.bvh"

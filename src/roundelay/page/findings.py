@@ -1,0 +1,179 @@
+"""What was found in the capture, as the page shows it: one record a motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.coordinate import circular_coordinate
+from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.fitting import time_phase
+from roundelay.errors import LiftError, NoPeriod
+from roundelay.motion import Motion
+from roundelay.page.capture import Space, sampling_step
+from roundelay.page.packing import Packer
+from roundelay.page.table import quality_rows
+from roundelay.periodicity import Evidence
+from roundelay.poses import point_cloud, with_velocity
+from roundelay.quality import quality
+from roundelay.timing import unwrap
+from roundelay.topology.rips import Barcode
+
+__all__ = ["cycle_data", "refusal_data"]
+
+Array = NDArray[np.float64]
+
+# Bars drawn, and among them those with a coordinate to look at.
+_BARS, _CLASSES = 16, 5
+_LOOP_FPS, _LOOP_FRAMES = 60.0, 240
+
+
+def cycle_data(
+    motion: Motion, cycle: Cycle, space: Space, packer: Packer, *, file: str
+) -> dict[str, Any]:
+    """Describe one periodic motion and its loop.
+
+    Parameters
+    ----------
+    motion : Motion
+        The capture.
+    cycle : Cycle
+        Found in it.
+    space : Space
+    packer : Packer
+    file : str
+        Name for the loop when it is saved.
+
+    Raises
+    ------
+    ValueError
+        If the cycle carries no evidence of where it was found.
+    """
+    evidence = cycle.evidence
+    if evidence is None:
+        raise ValueError("expected a cycle found in a capture, with its evidence")
+    record = _evidence(motion, evidence, packer, cycle)
+    return record | {
+        "period": cycle.period,
+        "repetitions": evidence.repetitions,
+        "confidence": evidence.confidence,
+        "travel": float(np.linalg.norm(cycle.travel)) / space.size,
+        "turning": float(np.degrees(cycle.turning)),
+        "loop": _loop(motion, cycle, evidence, space, packer),
+        "quality": quality_rows(quality(cycle, motion)),
+        "file": file,
+        "bvh": _bvh(cycle),
+    }
+
+
+def refusal_data(motion: Motion, refusal: NoPeriod, packer: Packer) -> list[dict[str, Any]]:
+    """Describe the best candidate of a capture with no period, if there was one."""
+    found = refusal.evidence
+    if isinstance(found, Evidence):
+        return [_evidence(motion, found, packer, None)]
+    if isinstance(found, Barcode):
+        return [{"parts": [], "bars": _bars(found), "hidden": max(0, len(found) - _BARS)}]
+    return []
+
+
+def _evidence(
+    motion: Motion, evidence: Evidence, packer: Packer, cycle: Cycle | None
+) -> dict[str, Any]:
+    points = point_cloud(motion.with_root_motion())
+    return {
+        "parts": [list(run) for run in evidence.runs],
+        "lead": min(evidence.prominence, 1e6),
+        "bars": _bars(evidence.barcode),
+        "hidden": max(0, len(evidence.barcode) - _BARS),
+        "chosen": evidence.coordinate.class_index,
+        "classes": _classes(points, evidence, sampling_step(motion), packer),
+        "plane": _plane(points, evidence, sampling_step(motion), packer, cycle),
+    }
+
+
+def _bars(barcode: Barcode) -> list[list[float]]:
+    deaths = np.minimum(barcode.deaths, barcode.max_scale)
+    ends = zip(barcode.births[:_BARS], deaths[:_BARS], strict=True)
+    return [[round(float(birth), 5), round(float(death), 5)] for birth, death in ends]
+
+
+def _classes(points: Array, evidence: Evidence, step: int, packer: Packer) -> list[dict[str, Any]]:
+    """Compute the coordinate over time of the longest bars, and of the chosen one."""
+    wanted = {*range(min(_CLASSES, len(evidence.barcode))), evidence.coordinate.class_index}
+    classes = []
+    for number in sorted(wanted):
+        turns = _turns(points, evidence, number)
+        if turns is not None:
+            moved = [np.diff(turns[start:stop]) for start, stop in evidence.runs]
+            classes.append({
+                "bar": number,
+                "net": sum(float(part.sum()) for part in moved),
+                "total": sum(float(abs(part).sum()) for part in moved),
+                "turns": packer.add(np.nan_to_num(turns[::step])),
+            })  # fmt: skip
+    return classes
+
+
+def _turns(points: Array, evidence: Evidence, number: int) -> Array | None:
+    """Return the unwrapped coordinate (F,) of a class; None where it cannot be lifted."""
+    if number == evidence.coordinate.class_index:
+        return evidence.turns
+    try:
+        coordinate = circular_coordinate(evidence.barcode, k=number)
+    except LiftError:
+        return None
+    runs = evidence.runs
+    phase = np.full(len(points), np.nan)
+    inside = np.concatenate([np.arange(*run) for run in runs])
+    phase[inside] = coordinate.evaluate(with_velocity(points, runs, evidence.period))
+    turns = unwrap(phase, runs)
+    forwards = sum(turns[stop - 1] - turns[start] for start, stop in runs) >= 0.0
+    return turns if forwards else unwrap(-phase, runs)
+
+
+def _plane(
+    points: Array, evidence: Evidence, step: int, packer: Packer, cycle: Cycle | None
+) -> dict[str, Any]:
+    """Project capture and cycle on the motion's first two principal components."""
+    inside = np.concatenate([np.arange(*run) for run in evidence.runs])
+    centre = points[inside].mean(axis=0)
+    _, spread, axes = np.linalg.svd(points[inside] - centre, full_matrices=False)
+    plane = axes[:2].T
+    shares = spread[:2] ** 2 / max(float(np.sum(spread**2)), 1e-12)
+    record: dict[str, Any] = {"shares": shares.tolist()}
+    record["capture"] = packer.add((points[::step] - centre) @ plane, common_step=True)
+    if cycle is not None:
+        around = cycle.at(np.linspace(0.0, 1.0, 181), frame_time=0.01)
+        record["loop"] = packer.add((point_cloud(around) - centre) @ plane, common_step=True)
+    return record
+
+
+def _loop(
+    motion: Motion, cycle: Cycle, evidence: Evidence, space: Space, packer: Packer
+) -> dict[str, Any]:
+    """Sample one period, its end included, and the phase of the capture's frames in it."""
+    rooted = motion.with_root_motion()
+    count = int(np.clip(round(cycle.period * _LOOP_FPS), 8, _LOOP_FRAMES))
+    period = cycle.at(np.arange(count + 1) / count, frame_time=1.0 / _LOOP_FPS)
+    phase = time_phase(
+        point_cloud(rooted), evidence.turns, evidence.runs, frame_time=motion.frame_time
+    )
+    return {
+        "points": packer.add(space.points(period).reshape(count + 1, -1), common_step=True),
+        "turning": cycle.turning,
+        "phase": packer.add(np.nan_to_num(phase[:: sampling_step(motion)])),
+    }
+
+
+def _bvh(cycle: Cycle) -> str:
+    """Return the loop as the text of a BVH file."""
+    from roundelay.formats import write
+
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "loop.bvh"
+        write(cycle.sample(), path)
+        return path.read_text(encoding="utf-8")

@@ -1,0 +1,118 @@
+// The stage: capture, loop, both side by side, or one over the other.
+
+import { fitted, ink } from "./canvas.js";
+import { drawGround, drawShadow, drawSkeleton } from "./skeleton.js";
+import { alignment, moveRigidly } from "./track.js";
+
+const GHOSTS = [-4, 4, -3, 3, -2, 2, -1, 1];
+
+export function createStage(canvas, camera, page) {
+  const { capture, colours } = page;
+  const middle = boundingMiddle(capture.track);
+
+  function sided(side) {
+    return ink(side < 0 ? "left" : side > 0 ? "right" : "bone");
+  }
+
+  function phaseColour(turns) {
+    return colours[Math.floor((turns - Math.floor(turns)) * colours.length) % colours.length];
+  }
+
+  function coordinate(time, state) {
+    return page.motion()?.turns(state.bar, time) ?? null;
+  }
+
+  // Who is where: what shows the pose at a time, and in what colours.
+  function actors(state) {
+    const motion = page.motion();
+    const own = cached(sided);
+    const real = { label: "Capture", pose: (time) => capture.at(time), colours: own, phase: coordinate, real: true };
+    if (!motion?.loop || state.view === "capture") return [[real]];
+    const looped = { label: "Loop", pose: (time) => motion.loop.at(motion.steadyPhase(time)), colours: own, phase: motion.steadyPhase.bind(motion) };
+    if (state.view === "loop") return [[looped]];
+    const inStep = { ...looped, pose: (time) => laidOnCapture(motion, time), phase: coordinate };
+    if (state.view === "beside") return [[real], [inStep]];
+    const plain = { ...real, colours: () => ink("bone") };
+    if (!motion.part(state.time)) return [[plain]];
+    return [[plain, { ...inStep, colours: () => ink("accent"), alpha: 0.85 }]];
+  }
+
+  function laidOnCapture(motion, time) {
+    const pose = motion.loop.inPlace(motion.loopPhase(time));
+    const { angle, shift } = alignment(pose, capture.at(time), capture.joints);
+    return moveRigidly(pose, angle, shift);
+  }
+
+  function drawGhosts(context, project, actor, state) {
+    const spacing = (page.motion()?.period ?? 1.5) / 12;
+    for (const place of GHOSTS) {
+      const time = state.time + place * spacing;
+      if (actor.real && (time < 0 || time > capture.seconds)) continue;
+      const turns = actor.phase(time, state);
+      const colour = turns === null ? ink("pale") : phaseColour(turns);
+      const look = { alpha: 0.6 - 0.11 * Math.abs(place), thin: 0.55 };
+      drawSkeleton(context, project, actor.pose(time), capture.bones, () => colour, look);
+    }
+  }
+
+  function draw(state) {
+    const { context, width, height } = fitted(canvas);
+    const views = actors(state);
+    const share = width / views.length;
+    views.forEach((group, number) => {
+      const poses = group.map((actor) => actor.pose(state.time));
+      const [x, , z] = state.follow || views.length > 1 || state.view === "loop" ? poses[0] : middle;
+      camera.target = [x, 0.45, z];
+      context.save();
+      context.beginPath();
+      context.rect(number * share, 0, share, height);
+      context.clip();
+      const project = camera.projector(share, height, number * share);
+      drawGround(context, project, camera.target, ink("grid"));
+      drawShadow(context, project, poses[0], capture.bones, ink("shadow"));
+      if (state.onion) group.forEach((actor) => drawGhosts(context, project, actor, state));
+      group.forEach((actor, i) => {
+        const look = { alpha: actor.alpha ?? 1 };
+        drawSkeleton(context, project, poses[i], capture.bones, actor.colours, look);
+      });
+      context.restore();
+      if (number > 0) divide(context, number * share, height);
+    });
+    return views;
+  }
+
+  function divide(context, x, height) {
+    context.fillStyle = ink("line");
+    context.fillRect(Math.round(x), 0, 1, height);
+  }
+
+  return { draw };
+}
+
+function cached(colour) {
+  const known = new Map([-1, 0, 1].map((side) => [side, colour(side)]));
+  return (side) => known.get(side);
+}
+
+function boundingMiddle({ values, columns }) {
+  let [low, high] = [[Infinity, 0, Infinity], [-Infinity, 0, -Infinity]];
+  for (let i = 0; i < values.length; i += columns) {
+    for (const axis of [0, 2]) {
+      low[axis] = Math.min(low[axis], values[i + axis]);
+      high[axis] = Math.max(high[axis], values[i + axis]);
+    }
+  }
+  return low.map((value, axis) => (value + high[axis]) / 2);
+}
+
+// A first view: across the way the body travels, and near enough to see it whole.
+export function homeYaw({ values, rows, columns }) {
+  let [xx, xz, zz] = [0, 0, 0];
+  const [x0, z0] = [values[0], values[2]];
+  for (let row = 0; row < rows; row++) {
+    const [x, z] = [values[row * columns] - x0, values[row * columns + 2] - z0];
+    [xx, xz, zz] = [xx + x * x, xz + x * z, zz + z * z];
+  }
+  const travelled = Math.sqrt((xx + zz) / rows);
+  return travelled < 0.3 ? 0.5 : -0.5 * Math.atan2(2 * xz, xx - zz) + 0.35;
+}

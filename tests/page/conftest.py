@@ -1,0 +1,99 @@
+"""A real Chromium for the page, or a reason why not."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+import roundelay as rl
+from roundelay import synth
+from roundelay.page import build_page
+
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+WITHIN = ("file:", "data:", "blob:")
+
+
+@dataclass
+class Seen:
+    """A page in the browser, with what it complained of and asked for."""
+
+    page: object
+    complaints: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[object]:
+    driver = pytest.importorskip(
+        "playwright.sync_api", reason="needs Playwright: pip install playwright"
+    )
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        pytest.skip("needs Chromium: apt-get install chromium")
+    with driver.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def page_file(tmp_path_factory, jumps, jump_cycles) -> Path:
+    return _saved(tmp_path_factory, build_page(jumps, jump_cycles))
+
+
+@pytest.fixture(scope="session")
+def several_file(tmp_path_factory) -> Path:
+    parts = [synth.gait("walk", repetitions=4), synth.gait("punch", repetitions=5)]
+    motion = synth.sequence(*parts).motion
+    return _saved(tmp_path_factory, build_page(motion, rl.find_cycles(motion)))
+
+
+@pytest.fixture(scope="session")
+def refused_file(tmp_path_factory, boxing) -> Path:
+    with pytest.raises(rl.NoPeriod) as refusal:
+        rl.find_cycles(boxing)
+    return _saved(tmp_path_factory, build_page(boxing, refusal=refusal.value))
+
+
+def _saved(tmp_path_factory, text: str) -> Path:
+    path = tmp_path_factory.mktemp("page") / "page.html"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def visit(chromium) -> Iterator[Callable[..., Seen]]:
+    """Open a file; at the end, it must have complained of nothing and asked for nothing."""
+    opened, contexts = [], []
+
+    def visit(path: Path, *, width: int = 1280, height: int = 800, **context) -> Seen:
+        made = chromium.new_context(viewport={"width": width, "height": height}, **context)
+        contexts.append(made)
+        seen = Seen(made.new_page())
+        opened.append(seen)
+        seen.page.on("console", lambda said: seen.complaints.append(said.text))
+        seen.page.on("pageerror", lambda error: seen.complaints.append(str(error)))
+        seen.page.on("request", lambda asked: seen.requests.append(asked.url))
+        seen.page.goto(path.as_uri())
+        seen.page.wait_for_selector("body[data-ready]", timeout=20_000)
+        return seen
+
+    yield visit
+    complaints = [text for seen in opened for text in seen.complaints]
+    asked = [url for seen in opened for url in seen.requests]
+    for context in contexts:
+        context.close()
+    assert complaints == []
+    assert [url for url in asked if not url.startswith(WITHIN)] == []

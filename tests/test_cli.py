@@ -150,3 +150,20 @@ def test_help_does_not_load_what_draws():
     )
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert shown.stdout.strip() == "[]"
+
+
+def test_inspect_lists_the_classes_and_a_class_carries_into_loop(walk, tmp_path):
+    result = runner.invoke(app, ["inspect", str(walk), "-o", str(tmp_path), "--classes", "2"])
+    assert result.exit_code == 0, result.output
+    assert "<- loop" in result.stdout
+    assert (tmp_path / "walk_inspect.png").stat().st_size > 10_000
+    record = json.loads((tmp_path / "walk_inspect.json").read_text())
+    first = record["motions"][0]["classes"][0]
+    middle = 0.5 * (first["birth"] + first["death"])
+    again = runner.invoke(
+        app,
+        ["loop", str(walk), "-o", str(tmp_path), "--class", "0", "--scale", str(middle), "--json"],
+    )
+    cycle = json.loads(again.stdout)["cycles"][0]
+    assert cycle["scale"] == pytest.approx(middle)
+    assert cycle["barcode"][0] == pytest.approx([first["birth"], first["death"]], abs=1e-5)

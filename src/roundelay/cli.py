@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from roundelay.commands.convert import convert
+from roundelay.commands.inspect import inspect
 from roundelay.commands.loop import loop
 from roundelay.commands.view import view
 
@@ -20,7 +21,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     help="From raw motion capture to seamless, loopable cycles.",
 )
-for command in (loop, view, convert):
+for command in (loop, inspect, view, convert):
     app.command()(command)
 
 

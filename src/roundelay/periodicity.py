@@ -16,10 +16,17 @@ from numpy.typing import NDArray
 from roundelay.coordinate import CircularCoordinate, circular_coordinate
 from roundelay.errors import NoPeriod, TooShort
 from roundelay.poses import with_velocity
-from roundelay.timing import Run, return_period, unwrap
+from roundelay.timing import Run, phase_map, return_period, unwrap
 from roundelay.topology.rips import Barcode, persistent_cohomology
 
-__all__ = ["Evidence", "TopologyOptions", "measure", "without_pauses"]
+__all__ = [
+    "Cloud",
+    "Evidence",
+    "TopologyOptions",
+    "measure",
+    "point_cloud_of",
+    "without_pauses",
+]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -38,8 +45,8 @@ class TopologyOptions:
     ----------
     prime : int
         Coefficients of the cohomology are integers modulo this prime.
-    class_index : int
-        Which bar to use, 0 being the longest.
+    class_index : int, optional
+        Which bar to use, 0 being the longest; chosen by hand, it need not stand out.
     scale : float, optional
         Scale of the coordinate, between birth and death of the bar, in body sizes.
     delay : float, optional
@@ -48,7 +55,7 @@ class TopologyOptions:
     """
 
     prime: int = 47
-    class_index: int = 0
+    class_index: int | None = None
     scale: float | None = None
     delay: float | None = None
 
@@ -71,6 +78,8 @@ class Evidence:
         Of the landmarks.
     net, total : float
         Turns forward minus backward, and their sum.
+    cloud : Cloud or None
+        The points behind it, for following other classes.
     """
 
     runs: tuple[Run, ...]
@@ -80,11 +89,13 @@ class Evidence:
     coordinate: CircularCoordinate = field(repr=False)
     net: float
     total: float
+    cloud: Cloud | None = field(default=None, repr=False)
 
     @property
     def repetitions(self) -> float:
-        """How many periods fit into the runs ([C] tables A: the period count)."""
-        return sum(stop - start for start, stop in self.runs) / self.period
+        """How many periods were seen, parts of one counted by time ([C] tables A)."""
+        phase = phase_map(self.turns, self.runs)
+        return float(sum(np.diff(phase(self.turns[[a, b - 1]]))[0] for a, b in self.runs))
 
     @property
     def prominence(self) -> float:
@@ -111,7 +122,7 @@ class Evidence:
         again = float(np.clip(2.0 * (self.net - 1.0), 0.0, 1.0))
         return (1.0 - max(self.prominence, 1.0) ** -self.net) * self.steadiness * again
 
-    def objection(self, searched: int) -> str | None:
+    def objection(self, searched: int, *, chosen: bool = False) -> str | None:
         """Say why this is not a periodic motion, or None.
 
         Parameters
@@ -119,6 +130,8 @@ class Evidence:
         searched : int
             Frames of the capture that were searched: in a long one, something comes back
             once by chance.
+        chosen : bool
+            The class was chosen by hand: its bar need not stand out.
         """
         if self.net < 1.02:
             return f"it makes {self.net:.2f} turns of its loop, not more than one"
@@ -127,6 +140,8 @@ class Evidence:
         share = sum(stop - start for start, stop in self.runs) / searched
         if self.net < 1.5 and share < 0.3:
             return f"it makes {self.net:.2f} turns of its loop in {share:.0%} of the frames"
+        if chosen:
+            return None
         # One turn and a bit could be chance: the less is seen twice, the more its loop must
         # stand out.
         needed = max(1.5, 1.0 + 0.5 / (self.net - 1.0))
@@ -135,15 +150,88 @@ class Evidence:
         return None
 
 
-def measure(
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """The poses of some runs as a point cloud with its barcode.
+
+    Attributes
+    ----------
+    runs : tuple of (start, stop)
+        Ranges of the capture's frames.
+    frames : (m,) ndarray of int
+        The frames taken, every step-th.
+    local : list of (start, stop)
+        The runs as ranges of `frames`.
+    points : (m, d) ndarray
+        Poses with velocities.
+    stride : int
+        Every stride-th point is a landmark: a point of the barcode.
+    barcode : Barcode
+        Of the landmarks.
+    """
+
+    runs: tuple[Run, ...]
+    frames: Indices
+    local: list[Run]
+    points: Array
+    stride: int
+    barcode: Barcode
+
+    def follow(self, class_index: int, *, scale: float | None, n_frames: int) -> Evidence:
+        """Follow the circular coordinate of one class over time.
+
+        Parameters
+        ----------
+        class_index : int
+            Which bar, 0 being the longest.
+        scale : float or None
+            Of the coordinate; automatic if None.
+        n_frames : int
+            Length of the capture.
+
+        Returns
+        -------
+        Evidence
+
+        Raises
+        ------
+        NoPeriod
+            If there is no such class, or its coordinate makes no turn.
+        """
+        if len(self.barcode) <= class_index:
+            raise NoPeriod(f"the poses form {len(self.barcode)} loops", self.barcode)
+        coordinate = circular_coordinate(
+            self.barcode,
+            k=class_index,
+            scale=scale,
+            runs=[(-(-a // self.stride), -(-b // self.stride)) for a, b in self.local],
+        )
+        phase = coordinate.phase if self.stride == 1 else coordinate.evaluate(self.points)
+        turns = unwrap(phase, self.local)
+        if sum(turns[b - 1] - turns[a] for a, b in self.local) < 0.0:
+            turns = unwrap(-phase, self.local)
+        spread = np.full(n_frames, np.nan)
+        for (start, stop), (a, b) in zip(self.runs, self.local, strict=True):
+            inside = np.arange(start, stop)
+            spread[start:stop] = _interpolated(inside, self.frames[a:b], turns[a:b])
+        moved = np.concatenate([np.diff(turns[a:b]) for a, b in self.local])
+        net, total = float(moved.sum()), float(np.abs(moved).sum())
+        try:
+            period = return_period(spread, self.runs)
+        except TooShort as error:
+            raise NoPeriod(str(error), self.barcode) from None
+        return Evidence(self.runs, spread, period, self.barcode, coordinate, net, total, cloud=self)
+
+
+def point_cloud_of(
     points: Array, runs: Sequence[Run], period: float, step: int, options: TopologyOptions
-) -> Evidence:
-    """Compute the barcode and the coordinate of the frames in some runs.
+) -> Cloud:
+    """Compute the barcode of the frames in some runs.
 
     Parameters
     ----------
     points : (F, d) ndarray
-        One point a frame.
+        One pose a frame.
     runs : sequence of (start, stop)
         Frames that show one motion.
     period : float
@@ -154,12 +242,12 @@ def measure(
 
     Returns
     -------
-    Evidence
+    Cloud
 
     Raises
     ------
-    NoPeriod
-        If the cloud has no loop or the coordinate does not turn.
+    TooShort
+        If there are fewer than 4 frames.
     """
     thin = [np.arange(start, stop, step) for start, stop in runs]
     frames, local = np.concatenate(thin), _bounds([len(part) for part in thin])
@@ -167,28 +255,21 @@ def measure(
     cloud = with_velocity(points[frames], local, weighing)
     stride = -(-len(cloud) // _LANDMARKS)
     barcode = persistent_cohomology(cloud[::stride], prime=options.prime)
-    if len(barcode) <= options.class_index:
-        raise NoPeriod("the poses form no loop", barcode)
-    coordinate = circular_coordinate(
-        barcode,
-        k=options.class_index,
-        scale=options.scale,
-        runs=[(-(-a // stride), -(-b // stride)) for a, b in local],
-    )
-    phase = coordinate.phase if stride == 1 else coordinate.evaluate(cloud)
-    turns = unwrap(phase, local)
-    if sum(turns[b - 1] - turns[a] for a, b in local) < 0.0:
-        turns = unwrap(-phase, local)
-    try:
-        found = return_period(turns, local) * step
-    except TooShort as error:
-        raise NoPeriod(str(error), barcode) from None
-    spread = np.full(len(points), np.nan)
-    for (start, stop), part, (a, b) in zip(runs, thin, local, strict=True):
-        spread[start:stop] = _interpolated(np.arange(start, stop), part, turns[a:b])
-    moved = np.concatenate([np.diff(turns[a:b]) for a, b in local])
-    net, total = float(moved.sum()), float(np.abs(moved).sum())
-    return Evidence(tuple(runs), spread, found, barcode, coordinate, net, total)
+    return Cloud(tuple(runs), frames, local, cloud, stride, barcode)
+
+
+def measure(
+    points: Array, runs: Sequence[Run], period: float, step: int, options: TopologyOptions
+) -> Evidence:
+    """Compute the barcode of some frames and follow one class, see `point_cloud_of`.
+
+    Raises
+    ------
+    NoPeriod
+        If the cloud has no loop or the coordinate does not turn.
+    """
+    cloud = point_cloud_of(points, runs, period, step, options)
+    return cloud.follow(options.class_index or 0, scale=options.scale, n_frames=len(points))
 
 
 def _bounds(lengths: list[int]) -> list[Run]:

@@ -180,16 +180,17 @@ def _accepted(
     points: Array, group: list[Part], step: int, options: TopologyOptions, searched: int
 ) -> Evidence:
     """Measure parts of one motion, cut its pauses out, and check the result."""
+    by_hand = options.class_index is not None
     runs, period = _union(group), float(np.median([part.period for part in group]))
     try:
         evidence = measure(points, runs, period, step, options)
         cut = without_pauses(evidence)
         if cut and tuple(cut) != evidence.runs:
             again = measure(points, cut, evidence.period, step, options)
-            evidence = again if again.objection(searched) is None else evidence
+            evidence = again if again.objection(searched, chosen=by_hand) is None else evidence
     except (LiftError, TooShort) as error:
         raise NoPeriod(str(error)) from error
-    objection = evidence.objection(searched)
+    objection = evidence.objection(searched, chosen=by_hand)
     if objection is not None:
         raise NoPeriod(f"frames {_listed(evidence.runs)}: {objection}", evidence)
     return evidence

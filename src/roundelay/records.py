@@ -20,7 +20,7 @@ from roundelay.quality import Quality
 from roundelay.topology.rips import Barcode
 from roundelay.version import __version__
 
-__all__ = ["capture_record", "cycle_record", "refusal_record", "write_json"]
+__all__ = ["capture_record", "cycle_record", "evidence_record", "refusal_record", "write_json"]
 
 # More bars than this are noise that nobody reads.
 _MOST_BARS = 100
@@ -52,7 +52,7 @@ def cycle_record(cycle: Cycle, figures: Quality, files: Sequence[Path] = ()) -> 
         "quality": asdict(figures),
         "files": [path.name for path in files],
     }
-    return record | ({} if cycle.evidence is None else _evidence(cycle.evidence))
+    return record | ({} if cycle.evidence is None else evidence_record(cycle.evidence))
 
 
 def refusal_record(refusal: NoPeriod) -> dict[str, Any]:
@@ -60,13 +60,14 @@ def refusal_record(refusal: NoPeriod) -> dict[str, Any]:
     found = refusal.evidence
     evidence: dict[str, Any] | None = None
     if isinstance(found, Evidence):
-        evidence = _evidence(found)
+        evidence = evidence_record(found)
     elif isinstance(found, Barcode):
         evidence = {"barcode": _bars(found)}
     return {"cycles": [], "reason": str(refusal), "evidence": evidence}
 
 
-def _evidence(evidence: Evidence) -> dict[str, Any]:
+def evidence_record(evidence: Evidence) -> dict[str, Any]:
+    """Describe what was measured of one motion."""
     inside = [evidence.turns[start:stop] for start, stop in evidence.runs]
     return {
         "parts": [list(run) for run in evidence.runs],

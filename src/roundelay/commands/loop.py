@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from roundelay.cycles.cycle import Cycle
     from roundelay.errors import NoPeriod
     from roundelay.motion import Motion
+    from roundelay.periodicity import TopologyOptions
     from roundelay.pipeline import Options
 
 Joints = Annotated[
@@ -43,7 +44,12 @@ Delay = Annotated[
         show_default=False,
     ),
 ]
-Class = Annotated[int, typer.Option("--class", help="Use this bar, 0 being the longest.", min=0)]
+Class = Annotated[
+    int | None,
+    typer.Option(
+        "--class", help="Use this bar, 0 being the longest; see inspect.", min=0, show_default=False
+    ),
+]
 Prime = Annotated[int, typer.Option(help="Coefficients are integers modulo this prime.")]
 Most = Annotated[
     int | None, typer.Option("--classes", help="At most so many loops.", min=1, show_default=False)
@@ -74,7 +80,7 @@ def loop(
     joints: Joints = None,
     scale: Scale = None,
     delay: Delay = None,
-    class_index: Class = 0,
+    class_index: Class = None,
     prime: Prime = 47,
     classes: Most = None,
     harmonics: Harmonics = None,
@@ -104,7 +110,7 @@ def loop(
             options = Options(
                 frames=frame_range(frames, len(motion)),
                 joints=None if joints is None else tuple(joints.split(",")),
-                topology=_topology(motion, prime, class_index, scale, delay),
+                topology=chosen_topology(motion, prime, class_index, scale, delay),
                 harmonics=harmonics,
                 most=classes,
             )
@@ -126,9 +132,10 @@ def loop(
             _print_summary(record, folder)
 
 
-def _topology(
-    motion: Motion, prime: int, class_index: int, scale: float | None, delay: float | None
-) -> Any:
+def chosen_topology(
+    motion: Motion, prime: int, class_index: int | None, scale: float | None, delay: float | None
+) -> TopologyOptions:
+    """Collect the options of topology; the delay comes in seconds."""
     from roundelay.periodicity import TopologyOptions
 
     weighing = None if delay is None else delay * motion.fps

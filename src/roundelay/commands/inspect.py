@@ -1,0 +1,124 @@
+"""``roundelay inspect``: the classes behind the automatic choice, as table, JSON and picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from roundelay.commands.common import (
+    Capture,
+    Directory,
+    Frames,
+    Json,
+    Skeleton,
+    frame_range,
+    one_line_errors,
+    output_directory,
+    print_json,
+    progress_bar,
+    read_capture,
+)
+from roundelay.commands.loop import Class, Delay, Joints, Picture, Prime, Scale, chosen_topology
+
+if TYPE_CHECKING:
+    from roundelay.inspection import Inspection
+    from roundelay.periodicity import Evidence
+
+Shown = Annotated[int, typer.Option("--classes", help="Classes to follow for each motion.", min=1)]
+
+
+def inspect(
+    capture: Capture,
+    output: Directory = Path("."),
+    skeleton: Skeleton = None,
+    frames: Frames = None,
+    joints: Joints = None,
+    scale: Scale = None,
+    delay: Delay = None,
+    class_index: Class = None,
+    prime: Prime = 47,
+    classes: Shown = 5,
+    picture: Picture = True,
+    json: Json = False,
+) -> None:
+    """Show the barcode of every motion and the coordinate of each of its classes.
+
+    Writes NAME_inspect.json and NAME_inspect.png. A class, a scale or frames that serve better
+    than the automatic choice can be given to `roundelay loop` by the options of the same names.
+    """
+    from roundelay.inspection import inspect as inspect_motion
+    from roundelay.pipeline import Options
+
+    with one_line_errors():
+        with progress_bar(quiet=json):
+            motion = read_capture(capture, skeleton)
+            options = Options(
+                frames=frame_range(frames, len(motion)),
+                joints=None if joints is None else tuple(joints.split(",")),
+                topology=chosen_topology(motion, prime, class_index, scale, delay),
+            )
+            found = inspect_motion(motion, options, most=classes)
+        record = _record(motion, capture, options, found)
+        folder = output_directory(output)
+        from roundelay.records import write_json
+
+        write_json(record, folder / f"{capture.stem}_inspect.json")
+        if picture:
+            from roundelay.figures import inspection, save
+
+            save(inspection(motion, found), folder / f"{capture.stem}_inspect.png")
+        if json:
+            print_json(record)
+        else:
+            for number, item in enumerate(found, 1):
+                _print_table(number, item, motion.fps)
+
+
+def _record(motion: Any, capture: Path, options: Any, found: list[Inspection]) -> dict[str, Any]:
+    from roundelay.records import capture_record, evidence_record
+
+    motions = [
+        {
+            "objection": item.objection or None,
+            "components": len(item.evidence.barcode.components) + 1,
+            "classes": [
+                {
+                    "class": one.index,
+                    "birth": one.birth,
+                    "death": one.death,
+                    "p_value": one.p_value,
+                    "fault": one.fault or None,
+                    "coordinate": None if one.evidence is None else evidence_record(one.evidence),
+                }
+                for one in item.classes
+            ],
+        }
+        for item in found
+    ]
+    return capture_record(motion, capture, options) | {"motions": motions}
+
+
+def _print_table(number: int, item: Inspection, fps: float) -> None:
+    parts = ", ".join(f"{start}-{stop}" for start, stop in item.evidence.runs)
+    typer.echo(
+        f"motion {number}: frames {parts}" + (f" ({item.objection})" if item.objection else "")
+    )
+    heading = ("class", "birth", "death", "p", "turns", "forward", "period s", "scale")
+    typer.echo("  " + "".join(f"{title:>10}" for title in heading))
+    for one in item.classes:
+        cells = [f"{one.index}", f"{one.birth:.4f}", f"{one.death:.4f}", f"{one.p_value:.1e}"]
+        cells += [] if one.evidence is None else _motion_cells(one.evidence, fps)
+        used = one.index == item.evidence.coordinate.class_index
+        remark = "  <- loop" if used else f"  {one.fault}"
+        typer.echo("  " + "".join(f"{cell:>10}" for cell in cells) + remark.rstrip())
+
+
+def _motion_cells(evidence: Evidence, fps: float) -> list[str]:
+    return [
+        f"{evidence.net:.2f}",
+        f"{evidence.steadiness:.2f}",
+        f"{evidence.period / fps:.2f}",
+        f"{evidence.coordinate.scale:.4f}",
+    ]

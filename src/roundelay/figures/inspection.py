@@ -1,0 +1,71 @@
+"""The picture of ``roundelay inspect``: barcode, persistence diagram, coordinates."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from roundelay.figures.overview import barcode, coordinate, new_figure
+from roundelay.figures.palette import ACCENT, INK, PALE
+from roundelay.inspection import Inspection
+from roundelay.motion import Motion
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from roundelay.topology.rips import Barcode
+
+__all__ = ["inspection", "persistence_diagram"]
+
+
+def persistence_diagram(axes: Axes, bars: Barcode, chosen: int = 0) -> None:
+    """Draw births against deaths, the chosen class in colour and the first ones numbered."""
+    far = 1.05 * float(np.max(bars.deaths, initial=1e-9))
+    axes.plot([0, far], [0, far], color=PALE, lw=1)
+    axes.scatter(bars.births, bars.deaths, color=INK, s=14)
+    axes.scatter(bars.births[[chosen]], bars.deaths[[chosen]], color=ACCENT, s=40)
+    for index in range(min(len(bars), 5)):
+        place = (float(bars.births[index]), float(bars.deaths[index]))
+        axes.annotate(str(index), place, xytext=(5, 3), textcoords="offset points")
+    axes.set_xlim(0, far)
+    axes.set_ylim(0, far)
+    axes.set_aspect("equal")
+    axes.set_title("persistence diagram, degree 1")
+    axes.set_xlabel("birth (body sizes)")
+    axes.set_ylabel("death (body sizes)")
+
+
+def inspection(motion: Motion, found: list[Inspection]) -> Figure:
+    """Draw one row a motion: barcode, persistence diagram, and each class's coordinate.
+
+    Parameters
+    ----------
+    motion : Motion
+        The capture.
+    found : list of Inspection
+        As from `roundelay.inspection.inspect`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    most = max(len(item.classes) for item in found)
+    figure = new_figure(5.0 * (2 + most), 4.4 * len(found))
+    grid = figure.subplots(len(found), 2 + most, squeeze=False)
+    for row, item in zip(grid, found, strict=True):
+        chosen = item.evidence.coordinate.class_index
+        barcode(row[0], item.evidence.barcode, chosen)
+        persistence_diagram(row[1], item.evidence.barcode, chosen)
+        for axes in row[2 + len(item.classes) :]:
+            axes.set_axis_off()
+        for axes, one in zip(row[2:], item.classes, strict=False):
+            if one.evidence is None:
+                axes.text(0.5, 0.5, one.fault, ha="center", wrap=True, transform=axes.transAxes)
+                axes.set_title(f"class {one.index}")
+                continue
+            coordinate(axes, one.evidence, motion)
+            axes.set_title(f"class {one.index}: {one.evidence.net:.2f} turns")
+    figure.suptitle(motion.name)
+    return figure

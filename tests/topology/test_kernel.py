@@ -1,0 +1,130 @@
+"""The compiled kernel against its NumPy twin."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from typing import NoReturn
+
+import numpy as np
+import pytest
+from clouds import PRIMES, noisy_circle, random_clouds
+
+from roundelay.coordinate import circular_coordinate
+from roundelay.topology import kernel, persistent_cohomology
+from roundelay.topology.kernel.compiled import Compiled
+from roundelay.topology.kernel.reduction import Reduction, count_up_to
+from roundelay.topology.kernel.twin import Twin
+from roundelay.topology.rips import enclosing_radius
+
+
+@pytest.fixture(scope="module")
+def compiled() -> Compiled:
+    return Compiled()
+
+
+def runs(
+    compiled: Compiled, prime: int, count: int, longest: int = 0
+) -> Iterator[tuple[Reduction, Reduction]]:
+    for points in random_clouds(count, largest=32):
+        lengths = compiled.distances((points - points.mean(axis=0)).astype(np.float32))
+        options = {"limit": enclosing_radius(lengths), "prime": prime, "longest": longest}
+        yield compiled.reduce(lengths, **options), Twin().reduce(lengths, **options)
+
+
+def test_distances_agree_to_the_bit(compiled: Compiled) -> None:
+    rng = np.random.default_rng(0)
+    for d in (0, 1, 15, 16, 17, 70):
+        x, y = rng.normal(size=(9, d)).astype("f4"), rng.normal(size=(23, d)).astype("f4")
+        np.testing.assert_array_equal(compiled.distances(x), Twin().distances(x))
+        np.testing.assert_array_equal(compiled.distances(x, y), Twin().distances(x, y))
+
+
+@pytest.mark.parametrize("prime", PRIMES)
+def test_runs_agree_to_the_bit(compiled: Compiled, prime: int) -> None:
+    for ours, twin in runs(compiled, prime, 60):
+        for name in ("keys", "merges", "births", "deaths", "killer"):
+            np.testing.assert_array_equal(getattr(ours, name), getattr(twin, name))
+        for name in ("start", "index", "value", "time"):
+            for one, other in ((ours.relations, twin.relations), (ours.reduced, twin.reduced)):
+                np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+@pytest.mark.parametrize("longest", [1, 2])
+def test_both_stop_at_the_same_edge(compiled: Compiled, longest: int) -> None:
+    for ours, twin in runs(compiled, 47, 60, longest):
+        np.testing.assert_array_equal(ours.keys, twin.keys)
+        np.testing.assert_array_equal(ours.deaths, twin.deaths)
+
+
+@pytest.mark.parametrize("modulus", [0, 2, 47, 32749])
+def test_cocycles_agree(compiled: Compiled, modulus: int) -> None:
+    rng = np.random.default_rng(modulus)
+    for ours, twin in runs(compiled, modulus or 47, 40):
+        given = rng.integers(0, modulus or 3, len(ours.births))
+        count = int(rng.integers(len(ours.keys) + 1))
+        np.testing.assert_array_equal(
+            compiled.propagate(ours, count, given, modulus),
+            Twin().propagate(twin, count, given, modulus),
+        )
+
+
+def test_integers_beyond_15_bits_are_refused(compiled: Compiled) -> None:
+    lengths = compiled.distances(noisy_circle(30, noise=0).astype("f4"))
+    run = compiled.reduce(lengths, limit=2.0, prime=47, longest=0)
+    huge = np.full(len(run.births), 40_000)
+    for which in (compiled, Twin()):
+        with pytest.raises(OverflowError, match="15 bits"):
+            which.propagate(run, len(run.keys), huge, 0)
+
+
+def test_smoothing_agrees(compiled: Compiled) -> None:
+    rng = np.random.default_rng(1)
+    for ours, twin in runs(compiled, 47, 40):
+        count = len(ours.keys) // 2
+        keys = ours.keys[:count]
+        values = compiled.propagate(ours, count, rng.integers(0, 2, len(ours.births)), 0)
+        start = np.zeros(len(ours.fill))
+        for close in (0, count // 2):
+            w, largest = compiled.harmonic(keys, values, start, close=close, tolerance=1e-11)
+            v, other = Twin().harmonic(
+                twin.keys[:count], values, start, close=close, tolerance=1e-11
+            )
+            np.testing.assert_allclose(w, v, atol=1e-7)
+            assert largest == pytest.approx(other, abs=1e-7)
+
+
+@pytest.fixture
+def no_binary(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    def refuse() -> NoReturn:
+        raise OSError("no binary")
+
+    monkeypatch.setattr(kernel, "Compiled", refuse)
+    kernel.engine.cache_clear()
+    yield
+    kernel.engine.cache_clear()
+
+
+def test_without_the_binary_one_warning_and_the_same_results(
+    no_binary: None, compiled: Compiled, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    points = noisy_circle(80, noise=0.1, turns=2)
+    with pytest.warns(RuntimeWarning, match="NumPy version gives the same results"):
+        slow = persistent_cohomology(points)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        slow_coordinate = circular_coordinate(slow, runs=[(0, 80)])
+    kernel.engine.cache_clear()
+    monkeypatch.undo()
+    fast = persistent_cohomology(points)
+    np.testing.assert_array_equal(slow.births, fast.births)
+    np.testing.assert_array_equal(slow.deaths, fast.deaths)
+    fast_coordinate = circular_coordinate(fast, runs=[(0, 80)])
+    assert slow_coordinate.scale == fast_coordinate.scale
+    np.testing.assert_allclose(slow_coordinate.phase, fast_coordinate.phase, atol=1e-7)
+
+
+def test_count_up_to_includes_ties(compiled: Compiled) -> None:
+    lengths = np.triu(np.ones((5, 5), np.float32), 1)
+    keys = compiled.reduce(lengths, limit=1.0, prime=2, longest=0).keys
+    assert (count_up_to(keys, 1.0), count_up_to(keys, 0.999)) == (10, 0)

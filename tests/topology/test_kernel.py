@@ -8,8 +8,8 @@ from typing import NoReturn
 
 import numpy as np
 import pytest
-from clouds import PRIMES, noisy_circle, random_clouds
 
+from clouds import PRIMES, noisy_circle, random_clouds
 from roundelay.coordinate import circular_coordinate
 from roundelay.topology import kernel, persistent_cohomology
 from roundelay.topology.kernel.compiled import Compiled

@@ -293,6 +293,26 @@ def test_refuses_bones_deeper_than_sense(acclaim):
         read(path)
 
 
+def test_refuses_a_motion_much_larger_than_its_file(acclaim):
+    bone = "begin\nid 1\nname b{}\ndirection 0 1 0\nlength 1\naxis 0 0 0 XYZ\nend\n"
+    many = range(3000)
+    path = acclaim(
+        [
+            ("  end\n:hierarchy", "  end\n" + "".join(map(bone.format, many)) + ":hierarchy"),
+            ("root lhip", "root lhip " + " ".join(f"b{number}" for number in many)),
+        ]
+    )
+    frame = "root 1 2 3 4 5 6\nlfemur 5 6 7\nltibia 8\n"
+    path.write_text("".join(f"{number}\n{frame}" for number in range(100)))
+    with pytest.raises(FormatError, match="channels on most of the joints"):
+        read(path)
+
+
+def test_a_missing_file_is_an_os_error(acclaim):
+    with pytest.raises(FileNotFoundError):
+        read(acclaim().with_name("none.amc"))
+
+
 class TestFindingTheSkeleton:
     def test_by_name(self, acclaim, tmp_path):
         path = acclaim()

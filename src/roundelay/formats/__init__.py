@@ -76,7 +76,8 @@ def read(
 def _upright(motion: Motion) -> Motion:
     """Find out which axis points up from some fifty poses."""
     spread = motion.at(np.linspace(0, len(motion) - 1, min(len(motion), 50)))
-    return replace(motion, up=vertical_axis(spread.positions(), motion.skeleton.size))
+    up = vertical_axis(spread.positions(), motion.skeleton.size)
+    return motion if up == motion.up else replace(motion, up=up)
 
 
 def write(motion: Motion, path: str | PathLike[str]) -> None:

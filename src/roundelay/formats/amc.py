@@ -49,16 +49,17 @@ def read(path: Path, skeleton: Skeleton | Path | None = None) -> Motion:
     FormatError
         If a file is not whole or the two do not fit, with line and column.
     """
+    source = text.without_comments(text.load(path))
     if skeleton is None:
         skeleton = find_skeleton(path)
     if isinstance(skeleton, Path):
         skeleton = read_skeleton(skeleton)
     if not isinstance(skeleton.layout, AcclaimLayout):
         raise ValueError("expected a skeleton that was read from an ASF")
-    source = text.without_comments(text.load(path))
     heading = _Heading.read(source, skeleton.layout)
     table = _Table(source, heading.start, skeleton)
     values = table.read()
+    text.check_proportion(source, heading.start, len(values), skeleton.n_joints)
     layout = replace(
         skeleton.layout,
         frame_order=tuple(table.order),

@@ -112,18 +112,8 @@ def _body(cursor: text.Cursor, frames: int, skeleton: Skeleton) -> Array:
         )
     elif len(values) != frames * width:
         raise _wrong_count(cursor.source, start, frames, width, len(values))
-    _check_proportion(cursor, frames, skeleton.n_joints)
+    text.check_proportion(cursor.source, start, frames, skeleton.n_joints)
     return values[: frames * width].reshape(frames, width)
-
-
-def _check_proportion(cursor: text.Cursor, frames: int, joints: int) -> None:
-    size = len(cursor.source.data)
-    if frames * joints > size + 65536:
-        raise cursor.source.error(
-            f"expected channels on most of the joints, found {frames} frames of {joints} joints "
-            f"in {size} bytes",
-            cursor.position,
-        )
 
 
 def _wrong_count(

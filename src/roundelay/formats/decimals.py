@@ -86,12 +86,14 @@ def _parse_block(block: bytes) -> Array | None:
     values = _digits(words[dots - 8], whole) * scale + _digits(words[stops - 8], part)
     values /= scale
     np.negative(values, out=values, where=chars[starts] == ord("-"))
-    for number in np.flatnonzero(odd):
-        word = padded[starts[number] : stops[number]]
-        if not is_number(word):
-            return None
-        values[number] = float(word)
-    return values
+    rest = np.flatnonzero(odd)
+    places = zip(starts[rest].tolist(), stops[rest].tolist(), strict=True)
+    try:
+        # Of the characters that are left, float takes decimal numbers only.
+        values[rest] = [float(padded[start:stop]) for start, stop in places]
+    except ValueError:
+        return None
+    return values if np.all(np.abs(values[rest]) < _LARGEST) else None
 
 
 def _dots(chars: NDArray[np.uint8], starts: Places, stops: Places) -> tuple[Places, Flags]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Literal
 
 import numpy as np
@@ -21,7 +21,6 @@ first in [0, 180), or the one nearest to the frame before."""
 # Radians of one frame beyond which a pose is no continuation of the one before it.
 _JUMP = 1.0
 _ROUNDING = 1e-9
-# Frames composed at a time.
 _BLOCK = 256
 
 DEGREE = float(np.pi / 180.0)
@@ -51,11 +50,15 @@ def compose(
     for order in sorted(set(orders) - {""}):
         joints = [joint for joint, own in enumerate(orders) if own == order]
         places = [columns[joint] for joint in joints]
-        # Blocks that stay in the processor's cache are twice as fast as one large array.
-        for start in range(0, len(table), _BLOCK):
-            rows = slice(start, start + _BLOCK)
+        for rows in _blocks(len(table)):
             result[rows, joints] = rot.from_euler(table[rows, places] * unit, order)
     return result
+
+
+def _blocks(frames: int) -> Iterator[slice]:
+    """Yield ranges of frames that stay in the processor's cache: twice as fast as all at once."""
+    for start in range(0, frames, _BLOCK):
+        yield slice(start, start + _BLOCK)
 
 
 def winding(degrees: Array) -> Winding:
@@ -85,7 +88,9 @@ def decompose(rotations: Array, order: str, written: Winding) -> Array:
     (F, J, len(order)) ndarray
     """
     full = order + "".join(axis for axis in "ZYX" if axis not in order)
-    angles = rot.to_euler(rotations, full)
+    angles = np.empty((*rotations.shape[:2], 3))
+    for rows in _blocks(len(angles)):
+        angles[rows] = rot.to_euler(rotations[rows], full)
     if written != "principal" or len(order) < 3:
         other = _wrapped(angles * (1.0, -1.0, 1.0) + np.pi)
         jumps = rot.angle_between(rotations[1:], rotations[:-1]) > _JUMP

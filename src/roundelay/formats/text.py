@@ -18,6 +18,7 @@ __all__ = [
     "Cursor",
     "Source",
     "Token",
+    "check_proportion",
     "lines",
     "load",
     "numbers",
@@ -30,6 +31,7 @@ _TOKEN = re.compile(rb"[{}]|[^\s{}]+")
 _WORD = re.compile(rb"\S+")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
 _SHOWN = 40
+_SMALL = 1 << 16
 _BLOCK = 1 << 16
 _DECIMALS = 8
 
@@ -208,6 +210,23 @@ def numbers(source: Source, start: int) -> NDArray[np.float64]:
     if values is None:
         raise _bad_number(source, start)
     return values
+
+
+def check_proportion(source: Source, at: int, frames: int, joints: int) -> None:
+    """Refuse a motion out of proportion to its file: few channels, many joints and frames.
+
+    Raises
+    ------
+    FormatError
+        If there are more than two poses of a joint for a byte.
+    """
+    size = len(source.data)
+    if frames * joints > 2 * size + _SMALL:
+        raise source.error(
+            f"expected channels on most of the joints, found {frames} frames of {joints} joints "
+            f"in {size} bytes",
+            at,
+        )
 
 
 def _bad_number(source: Source, start: int) -> FormatError:

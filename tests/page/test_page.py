@@ -114,3 +114,11 @@ def test_a_capture_that_is_too_poor_for_evidence():
     found, _ = unpacked(payload(page))
     assert found["motions"] == []
     assert "nothing comes back" in found["reason"]
+
+
+def test_behaviours_are_on_the_timeline(jumps, jump_cycles):
+    from roundelay.segmentation import segment
+
+    cut = segment(jumps)
+    found, _ = unpacked(payload(build_page(jumps, jump_cycles, segmentation=cut)))
+    assert found["segments"] == [[part.start, part.stop, part.label] for part in cut.segments]

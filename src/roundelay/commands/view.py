@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from roundelay.motion import Motion
     from roundelay.pipeline import Options
     from roundelay.progress import Progress
+    from roundelay.segmentation import Segmentation
 
 Page = Annotated[
     Path | None,
@@ -66,9 +67,22 @@ def _page(motion: Motion, options: Options, progress: Progress | None) -> tuple[
     from roundelay.page import build_page
     from roundelay.pipeline import find_cycles
 
+    segmentation = _segmentation(motion)
     try:
         cycles = find_cycles(motion, options, progress=progress)
     except NoPeriod as refusal:
-        return build_page(motion, refusal=refusal), "no periodic motion found, the page says why"
+        text = build_page(motion, refusal=refusal, segmentation=segmentation)
+        return text, "no periodic motion found, the page says why"
     count = "1 periodic motion" if len(cycles) == 1 else f"{len(cycles)} periodic motions"
-    return build_page(motion, cycles), count
+    return build_page(motion, cycles, segmentation=segmentation), count
+
+
+def _segmentation(motion: Motion) -> Segmentation | None:
+    """Cut the capture into behaviours, if it has the joints for it and is long enough."""
+    from roundelay.errors import SkeletonMismatch, TooShort
+    from roundelay.segmentation import segment
+
+    try:
+        return segment(motion)
+    except (SkeletonMismatch, TooShort):
+        return None

@@ -13,13 +13,18 @@ from roundelay.page.bundle import bundle
 from roundelay.page.capture import Space, capture_data
 from roundelay.page.findings import cycle_data, refusal_data
 from roundelay.page.packing import Packer
+from roundelay.segmentation.result import Segmentation
 from roundelay.version import __version__
 
 __all__ = ["build_page"]
 
 
 def build_page(
-    motion: Motion, cycles: Sequence[Cycle] = (), *, refusal: NoPeriod | None = None
+    motion: Motion,
+    cycles: Sequence[Cycle] = (),
+    *,
+    refusal: NoPeriod | None = None,
+    segmentation: Segmentation | None = None,
 ) -> str:
     """Return a self-contained HTML page of a capture.
 
@@ -31,6 +36,8 @@ def build_page(
         What `roundelay.find_cycles` found in it.
     refusal : NoPeriod, optional
         Why it found none; the page then shows the capture, the reason and the evidence.
+    segmentation : Segmentation, optional
+        The capture's behaviours, for the timeline.
 
     Returns
     -------
@@ -47,6 +54,7 @@ def build_page(
         "name": motion.name or "capture",
         "version": __version__,
         "colours": phase_colours(64),
+        "segments": [] if segmentation is None else _segments(segmentation),
         "capture": capture_data(motion, space, packer),
         "reason": "" if refusal is None else str(refusal),
     }
@@ -58,6 +66,12 @@ def build_page(
             for number, cycle in enumerate(cycles, 1)
         ]
     return bundle(document["name"], packer.text(document))
+
+
+def _segments(segmentation: Segmentation) -> list[tuple[int, int, int]]:
+    """List start, stop and label; nothing if the capture is one behaviour."""
+    found = [(part.start, part.stop, part.label) for part in segmentation.segments]
+    return found if len(found) > 1 else []
 
 
 def _file_name(name: str, number: int) -> str:

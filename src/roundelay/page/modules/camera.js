@@ -27,7 +27,7 @@ export class Camera {
     const [cosY, sinY] = [Math.cos(this.yaw), Math.sin(this.yaw)];
     const [cosP, sinP] = [Math.cos(this.pitch), Math.sin(this.pitch)];
     const [tx, ty, tz] = this.target;
-    const [cx, cy] = [left + width / 2, height * 0.55];
+    const [cx, cy] = [left + width / 2, height * 0.51];
     return (x, y, z) => {
       const across = cosY * (x - tx) - sinY * (z - tz);
       const deep = sinY * (x - tx) + cosY * (z - tz);

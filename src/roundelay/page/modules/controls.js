@@ -51,7 +51,8 @@ export function showControls(state, { capture }) {
   byId("play").setAttribute("aria-label", state.playing ? "Pause" : "Play");
   byId("play-icon").setAttribute("d", state.playing ? PAUSE : PLAY);
   const frame = Math.round(state.time * capture.fps);
-  byId("clock").innerHTML = `<b>${state.time.toFixed(2)} s</b> <span class="muted">of ${capture.seconds.toFixed(2)} s<span class="more">, frame ${frame}</span></span>`;
+  byId("now").textContent = `${state.time.toFixed(2)} s`;
+  byId("frame").textContent = `, frame ${frame}`;
   byId("onion").checked = state.onion;
   byId("follow").checked = state.follow;
   for (const choice of byId("views").querySelectorAll("input")) choice.checked = choice.value === state.view;

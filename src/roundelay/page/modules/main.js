@@ -24,7 +24,7 @@ async function start() {
     motion: 0, bar: -1,
   });
   const page = {
-    ...data, capture, motions, segments: data.segments ?? [],
+    ...data, capture, motions,
     motion: () => motions[store.state.motion],
   };
   const camera = new Camera();
@@ -83,7 +83,7 @@ async function start() {
     requestAnimationFrame(tick);
   }
   requestAnimationFrame(tick);
-  document.body.dataset.ready = "yes";
+  document.body.dataset.ready = performance.now().toFixed(1);
 }
 
 // What to show first of a motion: its own class, and a time at which it goes on.
@@ -108,6 +108,7 @@ function describe({ name, version, capture, motions, segments, reason }) {
   const found = reason ? "no periodic motion" : motions.length === 1 ? "1 periodic motion" : `${motions.length} periodic motions`;
   byId("name").textContent = name;
   byId("segments-legend").hidden = segments.length === 0;
+  byId("length").textContent = `of ${capture.seconds.toFixed(2)} s`;
   const length = ((capture.frames - 1) / capture.fps).toFixed(1);
   byId("summary").textContent = `${capture.frames} frames at ${+capture.fps.toFixed(2)} fps, ${length} s, ${capture.joints} joints; ${found}`;
   byId("footer").textContent = `Made by roundelay ${version}. Lengths are in body sizes: the skeleton's longest path along bones.`;

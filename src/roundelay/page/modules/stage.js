@@ -34,7 +34,7 @@ export function createStage(canvas, camera, page) {
     if (state.view === "beside") return [[real], [inStep]];
     const plain = { ...real, colours: () => ink("bone") };
     if (!motion.part(state.time)) return [[plain]];
-    return [[plain, { ...inStep, colours: () => ink("accent"), alpha: 0.85 }]];
+    return [[plain, { ...inStep, colours: () => ink("accent"), thin: 0.55 }]];
   }
 
   function laidOnCapture(motion, time) {
@@ -72,7 +72,7 @@ export function createStage(canvas, camera, page) {
       drawShadow(context, project, poses[0], capture.bones, ink("shadow"));
       if (state.onion) group.forEach((actor) => drawGhosts(context, project, actor, state));
       group.forEach((actor, i) => {
-        const look = { alpha: actor.alpha ?? 1 };
+        const look = { thin: actor.thin ?? 1 };
         drawSkeleton(context, project, poses[i], capture.bones, actor.colours, look);
       });
       context.restore();

@@ -6,6 +6,12 @@ const LEFT = 10;
 const RIGHT = 10;
 const STRIP = 14;
 
+// A, B, ..., Z, AA, AB, ...
+function letters(number) {
+  const first = Math.floor(number / 26);
+  return (first > 0 ? letters(first - 1) : "") + String.fromCharCode(65 + (number % 26));
+}
+
 export function createTimeline(canvas, page, store) {
   const { capture, colours, segments } = page;
   const top = STRIP + 14 + (segments.length > 0 ? STRIP + 4 : 0);
@@ -30,14 +36,14 @@ export function createTimeline(canvas, page, store) {
   }
 
   function drawSegments(context, width) {
-    context.font = font(10);
-    segments.forEach(({ start, stop, label }, number) => {
+    context.font = font(10.5);
+    for (const [start, stop, label] of segments) {
       const [from, to] = [x(start / capture.fps, width), x((stop - 1) / capture.fps, width)];
-      context.fillStyle = ink(number % 2 ? "grid" : "line");
-      context.fillRect(from + 0.5, STRIP + 10, Math.max(to - from - 1, 1), STRIP);
-      context.fillStyle = ink("muted");
-      if (to - from > 16) context.fillText(label, from + 5, STRIP + 21);
-    });
+      context.fillStyle = `oklch(${ink("segment")} ${(label * 83) % 360})`;
+      context.fillRect(from + 0.5, STRIP + 9, Math.max(to - from - 1, 1), STRIP);
+      context.fillStyle = ink("ink");
+      if (to - from > 16) context.fillText(letters(label), from + 5, STRIP + 20);
+    }
   }
 
   function drawCoordinate(context, width, height) {

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 from roundelay.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from roundelay.behaviours import with_periods
+    from roundelay.cycles.blend import CycleSpace, blend, transition
     from roundelay.cycles.cycle import Cycle
     from roundelay.errors import (
         Cancelled,
@@ -26,9 +28,12 @@ if TYPE_CHECKING:
     from roundelay.periodicity import Evidence, TopologyOptions
     from roundelay.pipeline import Options, find_cycles
     from roundelay.quality import Quality
+    from roundelay.segmentation import Segmentation, segment
     from roundelay.skeleton import Skeleton
 
 _HOMES = {
+    "behaviours": ("with_periods",),
+    "cycles.blend": ("CycleSpace", "blend", "transition"),
     "cycles.cycle": ("Cycle",),
     "errors": (
         "Cancelled",
@@ -46,6 +51,7 @@ _HOMES = {
     "periodicity": ("Evidence", "TopologyOptions"),
     "pipeline": ("Options", "find_cycles"),
     "quality": ("Quality",),
+    "segmentation": ("Segmentation", "segment"),
     "skeleton": ("Skeleton",),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
@@ -53,6 +59,7 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 __all__ = [
     "Cancelled",
     "Cycle",
+    "CycleSpace",
     "Evidence",
     "FormatError",
     "LiftError",
@@ -62,14 +69,19 @@ __all__ = [
     "Quality",
     "RoundelayError",
     "RoundelayWarning",
+    "Segmentation",
     "Skeleton",
     "SkeletonMismatch",
     "TooLarge",
     "TooShort",
     "TopologyOptions",
+    "blend",
     "concatenate",
     "find_cycles",
     "read",
+    "segment",
+    "transition",
+    "with_periods",
     "write",
 ]
 

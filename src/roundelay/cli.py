@@ -7,9 +7,11 @@ from typing import Annotated
 
 import typer
 
+from roundelay.commands.blend import blend, transition
 from roundelay.commands.convert import convert
 from roundelay.commands.inspect import inspect
 from roundelay.commands.loop import loop
+from roundelay.commands.segment import segment
 from roundelay.commands.view import view
 
 __all__ = ["main"]
@@ -21,7 +23,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     help="From raw motion capture to seamless, loopable cycles.",
 )
-for command in (loop, inspect, view, convert):
+for command in (loop, segment, inspect, view, blend, transition, convert):
     app.command()(command)
 
 

@@ -91,29 +91,51 @@ def decompose(rotations: Array, order: str, written: Winding) -> Array:
     angles = np.empty((*rotations.shape[:2], 3))
     for rows in _blocks(len(angles)):
         angles[rows] = rot.to_euler(rotations[rows], full)
-    if written != "principal" or len(order) < 3:
-        other = _wrapped(angles * (1.0, -1.0, 1.0) + np.pi)
-        jumps = rot.angle_between(rotations[1:], rotations[:-1]) > _JUMP
-        if len(order) < 3:
-            turned = np.abs(other[..., 2]) < np.abs(angles[..., 2])
-        elif written == "positive":
-            turned = (angles[..., 0] < -_ROUNDING) | (angles[..., 0] > np.pi - _ROUNDING)
-        else:
-            turned = _nearest_branch(angles, other, jumps)
-        angles = np.where(turned[..., None], other, angles)
-        if written == "continuous":
-            angles = _unwrapped(angles, jumps)
+    if len(order) < 3:
+        other = _other(angles)
+        angles = _chosen(angles, np.abs(other[..., 2]) < np.abs(angles[..., 2]))
+    elif written == "positive":
+        first = angles[..., 0]
+        angles = _chosen(angles, (first < -_ROUNDING) | (first > np.pi - _ROUNDING))
+    if written == "continuous":
+        _continue(angles, rotations, branches=len(order) == 3)
     return np.degrees(angles)[..., : len(order)]
+
+
+def _other(angles: Array) -> Array:
+    """Return the other triples (..., 3) of the same rotations."""
+    return _wrapped(angles * (1.0, -1.0, 1.0) + np.pi)
 
 
 def _wrapped(angles: Array) -> Array:
     return np.pi - (np.pi - angles) % (2.0 * np.pi)
 
 
-def _nearest_branch(angles: Array, other: Array, jumps: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _chosen(angles: Array, turned: NDArray[np.bool_]) -> Array:
+    return np.where(turned[..., None], _other(angles), angles)
+
+
+def _continue(angles: Array, rotations: Array, *, branches: bool) -> None:
+    """Make angles (F, J, 3) continuous in place, by whole turns and, if asked, other triples.
+
+    Two triples of a rotation are two half turns apart. Where the angles of a joint change by
+    less than one half turn in all, it stays on its branch and on its turn: most joints do.
+    """
+    steps = np.abs(np.diff(angles, axis=0)).sum(axis=-1)
+    restless = np.flatnonzero((steps >= np.pi).any(axis=0))
+    if not restless.size:
+        return
+    own, turns = angles[:, restless], rotations[:, restless]
+    jumps = rot.angle_between(turns[1:], turns[:-1]) > _JUMP
+    if branches:
+        own = _chosen(own, _nearest_branch(own, jumps))
+    angles[:, restless] = _unwrapped(own, jumps)
+
+
+def _nearest_branch(angles: Array, jumps: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return where (F, J) the other triple continues the choice of the frame before."""
     stay = np.abs(_wrapped(angles[1:] - angles[:-1])).sum(axis=-1)
-    change = np.abs(_wrapped(other[1:] - angles[:-1])).sum(axis=-1)
+    change = np.abs(_wrapped(_other(angles[1:]) - angles[:-1])).sum(axis=-1)
     turned = np.zeros(angles.shape[:2], int)
     turned[1:] = np.cumsum(change < stay, axis=0)
     return (turned - _at_last_jump(turned, jumps)) % 2 == 1

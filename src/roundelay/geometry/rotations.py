@@ -7,6 +7,7 @@ Quaternions act on column vectors, q and -q are the same rotation, and
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -113,8 +114,10 @@ def from_euler(angles: ArrayLike, order: str | Sequence[str]) -> Array:
     half = 0.5 * np.moveaxis(np.asarray(angles, float), -1, 0)
     cosine, sine = np.cos(half), np.sin(half)
     axes = [_axis(letter) for letter in order]
-    if sorted(axes) == [0, 1, 2]:
-        return _from_three_axes(cosine, sine, axes)
+    if len(set(axes)) == len(axes) > 0:
+        rest = [axis for axis in range(3) if axis not in axes]
+        still = [1.0] * len(rest), [0.0] * len(rest)
+        return _from_three_axes([*cosine, *still[0]], [*sine, *still[1]], axes + rest)
     result = identity(*half.shape[1:])
     for c, s, axis in zip(cosine, sine, axes, strict=True):
         turn = np.zeros_like(result)
@@ -124,8 +127,8 @@ def from_euler(angles: ArrayLike, order: str | Sequence[str]) -> Array:
     return result
 
 
-def _from_three_axes(cosine: Array, sine: Array, axes: Sequence[int]) -> Array:
-    """Multiply out three turns about different axes; cosine and sine (3, ...) of half angles."""
+def _from_three_axes(cosine: Sequence[Any], sine: Sequence[Any], axes: Sequence[int]) -> Array:
+    """Multiply out three turns about different axes, from cosines and sines of half angles."""
     (ci, cj, ck), (si, sj, sk) = cosine, sine
     if (axes[1] - axes[0]) % 3 == 2:
         # An odd order mirrors an even one: the last turn changes its sense.

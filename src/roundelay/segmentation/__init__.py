@@ -16,10 +16,11 @@ from roundelay.segmentation.methods import Method, segment, segment_channels
 from roundelay.segmentation.pca import OnlinePCA, PCAOptions
 from roundelay.segmentation.ppca import OnlinePPCA, PPCAOptions
 from roundelay.segmentation.result import Curve, Segment, Segmentation
-from roundelay.segmentation.scoring import Agreement, Score, Truth, pooled, score
+from roundelay.segmentation.scoring import TOLERANCES, Agreement, Score, Truth, pooled, score
 
 __all__ = [
     "STANDARD_JOINTS",
+    "TOLERANCES",
     "Agreement",
     "Curve",
     "GMMOptions",

@@ -30,7 +30,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 # Cuts are first sought on a grid this wide (seconds), then moved by up to the second.
-_GRID = 0.25
+_GRID = 1 / 3
 _REACH = 1.0
 # A cut prefers moments of little motion: its prior is speed to minus this power.
 _CALM = 2.0

@@ -9,6 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.detection import leading_rest_pose
 from roundelay.errors import TooShort
 from roundelay.motion import Motion
 from roundelay.segmentation.features import joint_quaternions
@@ -84,6 +85,8 @@ def segment(
         If an option is out of range, or ``n_segments`` cannot be met.
     """
     values = 2.0 * joint_quaternions(motion, joints)
+    if leading_rest_pose(values):
+        values[0] = values[1]
     options = _options(method, sensitivity, n_segments)
     return _segment(values, motion.fps, options, _RESOLUTION, rng, motion.name)
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import json
-from dataclasses import asdict, dataclass, field, is_dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.motion import Motion
+from roundelay.version import __version__
 
 __all__ = ["Curve", "Segment", "Segmentation"]
 
@@ -149,21 +150,21 @@ class Segmentation:
         writer.writerows({key: _brief(value) for key, value in row.items()} for row in rows)
         return text.getvalue()
 
-    def to_json(self) -> str:
-        """Return everything but the curve as JSON, with the version and the options used."""
-        from roundelay import __version__
-
-        options = asdict(self.options) if is_dataclass(self.options) else {}  # type: ignore[arg-type]
-        document = {
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything but the curve, with the version and the options used."""
+        return {
             "roundelay": __version__,
             "source": self.source,
             "method": self.method,
-            "options": options,
+            "options": asdict(self.options),
             "frame_time": self.frame_time,
             "n_frames": self.n_frames,
             "segments": self.bouts(),
         }
-        return json.dumps(document, indent=2)
+
+    def to_json(self) -> str:
+        """Return `to_dict` as JSON."""
+        return json.dumps(self.to_dict(), indent=2)
 
 
 def _brief(value: Any) -> Any:

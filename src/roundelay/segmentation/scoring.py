@@ -22,7 +22,7 @@ from roundelay.segmentation.partitions import (
 )
 from roundelay.segmentation.result import Segmentation
 
-__all__ = ["Agreement", "Score", "Truth", "pooled", "score"]
+__all__ = ["TOLERANCES", "Agreement", "Score", "Truth", "pooled", "score"]
 
 TOLERANCES = (0.0, 0.25, 0.5, 1.0)
 """Seconds by which windows are widened on both sides; 0 is strict."""

@@ -1,0 +1,130 @@
+"""``roundelay segment``: cut a capture into behaviours."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from roundelay.commands.common import (
+    Capture,
+    Directory,
+    Json,
+    Skeleton,
+    one_line_errors,
+    output_directory,
+    print_json,
+    progress_bar,
+    read_capture,
+)
+
+if TYPE_CHECKING:
+    from roundelay.motion import Motion
+    from roundelay.segmentation import Segmentation
+
+Method = Annotated[
+    str, typer.Option(help="gaussian, pca, ppca, gmm, ppca-paper or gmm-paper.", metavar="METHOD")
+]
+Sensitivity = Annotated[
+    float, typer.Option(help="2 finds finer behaviours, 0.5 coarser ones (gaussian).")
+]
+Segments = Annotated[
+    int | None,
+    typer.Option("--segments", help="Make exactly so many (gaussian).", show_default=False),
+]
+Joints = Annotated[
+    str | None,
+    typer.Option(help="Joints to look at, with commas.", show_default=False),
+]
+Split = Annotated[bool, typer.Option("--split", help="Write each segment as a BVH of its own.")]
+Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
+
+
+def segment(
+    capture: Capture,
+    output: Directory = Path("."),
+    skeleton: Skeleton = None,
+    method: Method = "gaussian",
+    sensitivity: Sensitivity = 1.0,
+    segments: Segments = None,
+    joints: Joints = None,
+    split: Split = False,
+    picture: Picture = True,
+    json: Json = False,
+) -> None:
+    """Cut a capture into behaviours, and name those that come back alike.
+
+    Writes NAME_segments.json, NAME_segments.csv (a bout table: start and end in seconds, label,
+    score) and NAME_segments.png; with --split also NAME_segment01.bvh and so on. Of each
+    segment it is told whether it repeats itself, and with what period.
+
+    Exit code 0: the capture was cut, perhaps into one segment; 2: bad input.
+    """
+    from roundelay.behaviours import with_periods
+    from roundelay.segmentation import segment as cut
+
+    with one_line_errors():
+        with progress_bar(quiet=json) as progress:
+            motion = read_capture(capture, skeleton)
+            found = cut(
+                motion,
+                method=method,  # type: ignore[arg-type]
+                sensitivity=sensitivity,
+                n_segments=segments,
+                joints=None if joints is None else joints.split(","),
+            )
+            found = with_periods(found, motion, progress=progress)
+        record = _write(found, motion, capture, output_directory(output), split, picture)
+        if json:
+            print_json(record)
+        else:
+            _print_table(found, capture)
+
+
+def _write(
+    found: Segmentation, motion: Motion, capture: Path, folder: Path, split: bool, picture: bool
+) -> dict[str, Any]:
+    """Write record, bout table, picture and clips; return the record."""
+    from roundelay.files import written_beside
+    from roundelay.formats import write
+    from roundelay.records import write_json
+
+    base = f"{capture.stem}_segments"
+    record = found.to_dict() | {"source": capture.name, "files": []}
+    if split:
+        digits = max(2, len(str(len(found))))
+        for number, clip in enumerate(found.clips(motion), 1):
+            path = folder / f"{capture.stem}_segment{number:0{digits}d}.bvh"
+            write(clip, path)
+            record["files"].append(path.name)
+    with written_beside(folder / f"{base}.csv") as part:
+        part.write_text(found.to_csv())
+    if picture:
+        from roundelay.figures import save
+        from roundelay.figures.timeline import timeline
+
+        save(timeline(found), folder / f"{base}.png")
+    write_json(record, folder / f"{base}.json")
+    return record
+
+
+def _print_table(found: Segmentation, capture: Path) -> None:
+    behaviours = len({segment.label for segment in found.segments})
+    seconds = found.n_frames * found.frame_time
+    typer.echo(
+        f"{capture.name}: {found.n_frames} frames, {seconds:.1f} s; "
+        f"{_counted(len(found), 'segment')}, {_counted(behaviours, 'behaviour')}"
+    )
+    typer.echo("    start      end  seconds  label  score  period      frames")
+    for row in found.bouts():
+        score = "-" if row["score"] is None else f"{row['score']:.2f}"
+        period = "-" if row["period"] is None else f"{row['period']:.2f} s"
+        typer.echo(
+            f"{row['start']:9.2f}{row['end']:9.2f}{row['seconds']:9.2f}{row['label']:7d}"
+            f"{score:>7}{period:>8}  {row['start_frame']:6d}-{row['end_frame']}"
+        )
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" + ("" if count == 1 else "s")

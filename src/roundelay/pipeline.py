@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.cycles.cycle import Cycle
-from roundelay.cycles.fitting import fit_cycle, time_phase
+from roundelay.cycles.fitting import fit_cycle
+from roundelay.cycles.tempo import time_phase
 from roundelay.detection import Part, candidate_parts, leading_rest_pose, recurring_groups
 from roundelay.errors import LiftError, NoPeriod, TooShort
 from roundelay.motion import Motion

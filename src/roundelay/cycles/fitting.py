@@ -14,12 +14,12 @@ from roundelay.cycles.harmonic import (
     fit_harmonic,
     highest_harmonic,
 )
+from roundelay.cycles.tempo import time_phase
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import heading
 from roundelay.motion import Motion
 from roundelay.periodicity import Evidence
-from roundelay.poses import principal_components
-from roundelay.timing import Run, line_period, phase_map, smooth_turns
+from roundelay.timing import Run, line_period
 
 __all__ = ["fit_cycle", "time_phase"]
 
@@ -28,54 +28,9 @@ Array = NDArray[np.float64]
 # A cycle climbs if it gains more than this share of the body's size a period (stairs, ladders);
 # less is the drift of a capture's floor.
 _CLIMB = 0.05
-
-
-# Widths, in periods, over which the tempo may be steadied; the last is one tempo a run.
-_TEMPO_WIDTHS = (0.05, 0.15, 0.5, 1.5, np.inf)
-
-
-def time_phase(points: Array, turns: Array, runs: Sequence[Run], *, frame_time: float) -> Array:
-    """Turn a structural coordinate into a phase that grows with time.
-
-    The coordinate is mapped to mean time (`roundelay.timing.phase_map`) and smoothed over time
-    as widely as the poses allow: until a periodic function of the phase would explain them by
-    three percent worse.
-
-    Parameters
-    ----------
-    points : (F, d) ndarray
-        Poses.
-    turns : (F,) ndarray
-        Unwrapped circular coordinate.
-    runs : sequence of (start, stop)
-    frame_time : float
-        Seconds.
-
-    Returns
-    -------
-    (F,) ndarray
-        Unwrapped phase; NaN outside the runs.
-    """
-    mapping = phase_map(turns, runs)
-    raw = np.where(np.isfinite(turns), mapping(np.nan_to_num(turns)), np.nan)
-    inside = np.concatenate([np.arange(*run) for run in runs])
-    poses = principal_components(points[inside], 0.98)
-    count = highest_harmonic(mapping.period * frame_time)
-    choices = [smooth_turns(raw, runs, width * mapping.period) for width in _TEMPO_WIDTHS]
-    misfits = [_misfit(phase, runs, inside, poses, count) for phase in choices]
-    limit = 1.03 * min(misfits)
-    return [phase for phase, misfit in zip(choices, misfits, strict=True) if misfit <= limit][-1]
-
-
-def _misfit(
-    phase: Array, runs: Sequence[Run], inside: NDArray[np.intp], poses: Array, count: int
-) -> float:
-    """Return the weighted RMS residual of a periodic fit to the poses."""
-    weights = crossfade_weights(phase, list(runs))[inside]
-    curve = fit_harmonic(phase[inside], poses, count, weights=weights)
-    squares = np.sum((curve(phase[inside]) - poses) ** 2, axis=1)
-    return float(np.sqrt(weights @ squares / weights.sum()))
-
+# A joint keeps to one side of its mean if all but a twentieth of its poses lie within 145
+# degrees of it, where this is the cosine of half the angle.
+_ONE_SIDE, _GLITCHES = 0.3, 0.05
 
 def fit_cycle(
     motion: Motion,
@@ -114,7 +69,7 @@ def fit_cycle(
     local = motion.rotations.copy()
     back = rot.from_rotation_vector(-drift[:, None] * motion.up_vector)
     local[:, 0] = rot.multiply(back, local[:, 0])
-    odd = _flips_sign(local, returns, runs)
+    odd = _signed(local, returns, runs)
     weights = crossfade_weights(turns, list(runs))
     if len(runs) > 1:
         drift = drift + _align_runs(local, turns, runs, odd, count, motion.up)
@@ -171,14 +126,35 @@ def _heading_drift(
     return drift, turning
 
 
-def _flips_sign(
+def _signed(
     local: Array, returns: list[tuple[NDArray[np.intp], NDArray[np.intp]]], runs: Sequence[Run]
 ) -> NDArray[np.bool_]:
-    """Tell the joints (J,) whose quaternions change sign in a period: odd whole turns."""
-    agreement = np.zeros(local.shape[1])
-    for first, later in returns:
-        agreement += np.einsum("fjq,fjq->j", local[first], local[later])
-    return np.asarray(agreement < 0.0)
+    """Choose signs of quaternions (F, J, 4) in place; tell the joints (J,) that are odd.
+
+    A joint that keeps to one side of the sphere takes the signs of that side; the few frames
+    on the other side are glitches, and bridged. For a joint that goes farther, signs follow it
+    through time, and it is odd if most of its poses come back with the other sign: it makes an
+    odd number of whole turns a period.
+    """
+    inside = np.concatenate([np.arange(*run) for run in runs])
+    side = np.einsum("fjq,jq->fj", local[inside], rot.mean(local[inside]))
+    near = np.quantile(np.abs(side), _GLITCHES, axis=0) > _ONE_SIDE
+    agreement = [np.einsum("fjq,fjq->fj", local[a], local[b]) > 0.0 for a, b in returns]
+    odd = ~near & (np.concatenate(agreement).mean(axis=0) < 0.5)
+    for joint in np.flatnonzero(near):
+        values = local[inside, joint] * np.where(side[:, joint] < 0.0, -1.0, 1.0)[:, None]
+        sound = np.flatnonzero(np.abs(side[:, joint]) > _ONE_SIDE)
+        if len(sound) < len(values):
+            values = _bridged(values, sound)
+        local[inside, joint] = values
+    return np.asarray(odd)
+
+
+def _bridged(values: Array, sound: NDArray[np.intp]) -> Array:
+    """Interpolate unit quaternions (n, 4) between sound ones."""
+    frames = np.arange(len(values))
+    columns = [np.interp(frames, sound, column) for column in values[sound].T]
+    return rot.normalize(np.stack(columns, axis=-1))
 
 
 def _align_runs(

@@ -120,8 +120,8 @@ def highest_harmonic(period: float, *, bandwidth: float = 15.0) -> int:
 def crossfade_weights(turns: ArrayLike, runs: list[tuple[int, int]]) -> Array:
     """Weigh frames so that a run's ends blend into each other.
 
-    A run of 1.3 turns shows three tenths of the circle twice; weights that rise over the first
-    and fall over the last 0.3 turns make the seam a cross-fade instead of a step.
+    A run of 1.1 turns shows a tenth of the circle twice; weights that rise over the first and
+    fall over the last 0.1 turns make the seam a cross-fade instead of a step.
 
     Parameters
     ----------
@@ -139,8 +139,8 @@ def crossfade_weights(turns: ArrayLike, runs: list[tuple[int, int]]) -> Array:
     for start, stop in runs:
         made = x[start:stop] - x[start]
         length = made[-1]
-        # At most one turn on either side; at least a twentieth, for a soft end.
-        fade = np.clip(length - 1.0, 0.05, 1.0)
+        # Where more is seen twice, as much as possible counts in full.
+        fade = np.clip(length - 1.0, 0.05, 0.15)
         ramp = np.clip(np.minimum(made, length - made) / fade, 0.0, 1.0)
         weights[start:stop] = ramp * ramp * (3.0 - 2.0 * ramp)
     return np.maximum(weights, 1e-6 * (weights > 0))
@@ -206,7 +206,7 @@ def _cross_validated(design: Array, values: Array, rough: Array) -> Array:
         kept = 1.0 / (1.0 + penalty * n * strength)
         # |y - X b|^2 = |y|^2 - sum (2 kept - kept^2) target^2
         residual = total - (2 * kept - kept**2) @ target**2
-        score = np.maximum(residual, 1e-30) / np.maximum(n - 1.4 * kept.sum(), 1e-3) ** 2
+        score = np.maximum(residual, 1e-30) / np.maximum(n - kept.sum(), 1e-3) ** 2
         better = score < best
         best[better] = score[better]
         shrink[:, better] = kept[:, None]

@@ -90,6 +90,17 @@ def test_longest_gives_the_first_of_all_bars(wanted: int) -> None:
             assert broken_triangles(longest, 0) == 0
 
 
+def test_a_class_still_alive_at_an_early_stop_is_no_bar() -> None:
+    """A circle, and beside it a square that is born late and outlives it."""
+    square = 0.75 * np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
+    circle = np.pad(noisy_circle(40, noise=0), ((0, 0), (0, 3)))
+    points = np.concatenate((circle, np.pad(square, ((0, 0), (2, 1)), constant_values=(0, 1.6))))
+    points[40:, :2] = 0
+    every, longest = persistent_cohomology(points), persistent_cohomology(points, longest=1)
+    assert every.deaths[1] > every.deaths[0]
+    np.testing.assert_array_equal(longest.deaths, every.deaths[:1])
+
+
 def test_classes_alive_at_the_largest_scale_do_not_die() -> None:
     barcode = persistent_cohomology(noisy_circle(50, noise=0.0), max_scale=1.0)
     assert barcode.deaths[0] == np.inf

@@ -206,7 +206,8 @@ def _barcode(
 ) -> Barcode:
     births = lengths_of(reduction.births).astype(np.float64)
     deaths = reduction.deaths.astype(np.float64)
-    classes = np.flatnonzero(deaths > births)
+    settled = np.isfinite(deaths) | (max_scale < enclosing_radius(lengths))
+    classes = np.flatnonzero(settled & (deaths > births))
     order = np.lexsort((births[classes], births[classes] - deaths[classes]))
     classes = classes[order][:longest]
     merges = reduction.merges.astype(np.float64)

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 FRAME_TIME = 1.0 / 120.0
 """Seconds a frame where the file gives no rate: that of the CMU captures."""
 
-_BLOCK = 1 << 18
+_BLOCK = 1 << 16
 
 
 def read(path: Path, skeleton: Skeleton | Path | None = None) -> Motion:

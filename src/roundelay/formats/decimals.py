@@ -24,7 +24,7 @@ _NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 _BLANK = re.compile(rb"\s")
 _NUMERIC = b"0123456789+-.eE \t\r\n\v\f"
-_BLOCK = 1 << 17
+_BLOCK = 1 << 16
 # Larger values are no length or angle, and their squares would overflow.
 _LARGEST = 1e100
 _POWERS = 10.0 ** np.arange(9)

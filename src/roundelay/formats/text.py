@@ -28,6 +28,7 @@ __all__ = [
 ]
 
 _TOKEN = re.compile(rb"[{}]|[^\s{}]+")
+_LINE_END = re.compile(rb"[\n{}]")
 _WORD = re.compile(rb"\S+")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
 _SHOWN = 40
@@ -181,12 +182,11 @@ class Cursor:
 
     def line(self) -> Token:
         """Return the rest of the line up to a brace, without surrounding blanks."""
-        match = re.compile(rb"[^\n{}]*").match(self.source.data, self.position)
-        assert match is not None
-        self.position = match.end()
-        text = self.source.decode(*match.span())
-        blanks = len(text) - len(text.lstrip())
-        return Token(text.strip(), match.start() + blanks)
+        start = self.position
+        match = _LINE_END.search(self.source.data, start)
+        self.position = match.start() if match else len(self.source.data)
+        text = self.source.decode(start, self.position)
+        return Token(text.strip(), start + len(text) - len(text.lstrip()))
 
     def found(self, expected: str, token: Token) -> FormatError:
         """Return the error of a word that is not what was expected."""

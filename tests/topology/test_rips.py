@@ -91,11 +91,12 @@ def test_longest_gives_the_first_of_all_bars(wanted: int) -> None:
 
 
 def test_a_class_still_alive_at_an_early_stop_is_no_bar() -> None:
-    """A circle, and beside it a square that is born late and outlives it."""
-    square = 0.75 * np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
-    circle = np.pad(noisy_circle(40, noise=0), ((0, 0), (0, 3)))
-    points = np.concatenate((circle, np.pad(square, ((0, 0), (2, 1)), constant_values=(0, 1.6))))
-    points[40:, :2] = 0
+    """A circle and, joined to it by a point, a square that is born late and outlives it."""
+    corners = 0.75 * np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
+    points = np.zeros((45, 5))
+    points[:40, :2] = noisy_circle(40, noise=0)
+    points[40:44, 2:] = np.column_stack((corners, np.full(4, 1.6)))
+    points[44] = (points[0] + points[40]) / 2
     every, longest = persistent_cohomology(points), persistent_cohomology(points, longest=1)
     assert every.deaths[1] > every.deaths[0]
     np.testing.assert_array_equal(longest.deaths, every.deaths[:1])

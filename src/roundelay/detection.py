@@ -249,8 +249,14 @@ def _near(points: Array, first: Part, second: Part, own: tuple[int, int]) -> boo
         return False
     clouds = [with_velocity(points, [run], period) for run in ((first.start, first.stop), own)]
     a, b = (cloud[:: max(1, len(cloud) // 200)] for cloud in clouds)
-    apart, within = _squared(a, b), _squared(a, a).max()
-    return bool(max(np.median(apart.min(axis=1)), np.median(apart.min(axis=0))) < _ALIKE * within)
+    apart = _squared(a, b)
+    nearest = np.median(apart.min(axis=1)) / _width(a), np.median(apart.min(axis=0)) / _width(b)
+    return bool(max(nearest) < _ALIKE)
+
+
+def _width(cloud: Array) -> float:
+    """Return the largest squared distance within a cloud; a little more than 0."""
+    return max(float(_squared(cloud, cloud).max()), 1e-12)
 
 
 def _squared(a: Array, b: Array) -> Array:

@@ -138,7 +138,8 @@ class Evidence:
         if self.steadiness < 0.8:
             return f"of {self.total:.2f} turns only {self.net:.2f} remain forwards"
         share = sum(stop - start for start, stop in self.runs) / searched
-        if self.net < 1.5 and share < 0.3:
+        unique = self.net >= 1.3 and self.prominence >= 10.0
+        if self.net < 1.5 and share < 0.3 and not unique:
             return f"it makes {self.net:.2f} turns of its loop in {share:.0%} of the frames"
         if chosen:
             return None

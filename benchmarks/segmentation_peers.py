@@ -19,6 +19,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+# The best of 1, 2, 2.5, 3, 5; of 2, 4, 6, 8, 10, 16; of .1, .3, 1, 3, 10; of 10, 30.
+NORMAL_BIC = 2.0
+RBF_PENALTY = 6.0
+GGS_LAMBDA = 0.3
+GGS_MOST = 10
+
 
 def main(source: str, target: str) -> None:
     warnings.simplefilter("ignore")
@@ -75,9 +81,9 @@ def greedy_gaussian() -> Callable[[np.ndarray], list[int]]:
     from aeon.segmentation import GreedyGaussianSegmenter
 
     def cut(points: np.ndarray) -> list[int]:
-        method = GreedyGaussianSegmenter(k_max=30, lamb=GGS_LAMBDA, random_state=0)
-        labels = method.fit_predict(prepared(points, GGS_STEP, 0.001), axis=0)
-        return [GGS_STEP * (place + 1) for place in np.flatnonzero(np.diff(labels)).tolist()]
+        method = GreedyGaussianSegmenter(k_max=GGS_MOST, lamb=GGS_LAMBDA, random_state=0)
+        labels = method.fit_predict(prepared(points, 10, 0.04), axis=0)
+        return [10 * (place + 1) for place in np.flatnonzero(np.diff(labels)).tolist()]
 
     return cut
 
@@ -94,10 +100,6 @@ def clasp() -> Callable[[np.ndarray], list[int]]:
     return cut
 
 
-NORMAL_BIC = 1.0
-RBF_PENALTY = 8.0
-GGS_LAMBDA = 1.0
-GGS_STEP = 4
 PEERS = {
     "ruptures Pelt normal": (pelt_normal, 2),
     "ruptures Pelt rbf": (pelt_rbf, 2),

@@ -10,6 +10,7 @@ from tests.segmentation.conftest import make_capture
 from typer.testing import CliRunner
 
 import roundelay as rl
+from roundelay import behaviours
 from roundelay.cli import app
 
 runner = CliRunner()
@@ -90,3 +91,28 @@ def test_t_pose_in_front_changes_nothing():
     still = rl.concatenate([make_capture("c", seed=9).motion[:1], made])
     cuts, shifted = rl.segment(made).cuts, rl.segment(still).cuts
     assert [abs(a + 1 - b) <= 8 for a, b in zip(cuts, shifted, strict=True)] == [True] * 2
+
+
+def test_loop_in_every_segment(capture, tmp_path):
+    arguments = ["loop", str(capture), "-o", str(tmp_path), "--segments", "--no-picture", "--json"]
+    result = runner.invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    cycles = json.loads(result.stdout)["cycles"]
+    cuts = rl.segment(rl.read(capture)).cuts
+    starts = [cycle["parts"][0][0] for cycle in cycles]
+    assert sum(start < cuts[0] for start in starts) >= 1
+    assert sum(cuts[0] <= start < cuts[1] for start in starts) >= 1
+    assert all((tmp_path / cycle["files"][0]).exists() for cycle in cycles)
+
+
+def test_frames_and_segments_do_not_go_together(capture, tmp_path):
+    arguments = ["loop", str(capture), "-o", str(tmp_path), "--segments", "--frames", "0:500"]
+    result = runner.invoke(app, arguments)
+    assert result.exit_code == 2
+    assert "found both" in result.stderr
+
+
+def test_segments_without_a_period(tmp_path):
+    motion = rl.concatenate([make_capture("a").motion[:1]] * 400)
+    with pytest.raises(rl.NoPeriod):
+        behaviours.cycles_in_segments(rl.segment(motion), motion)

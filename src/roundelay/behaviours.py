@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from roundelay.cycles.cycle import Cycle
 from roundelay.errors import NoPeriod, TooShort
 from roundelay.motion import Motion
-from roundelay.pipeline import Options, find_periodic
+from roundelay.pipeline import Options, find_cycles, find_periodic
 from roundelay.progress import Progress, report
 from roundelay.segmentation.result import Segmentation
 
-__all__ = ["with_periods"]
+__all__ = ["cycles_in_segments", "with_periods"]
 
 
 def with_periods(
@@ -49,6 +50,53 @@ def with_periods(
         report(progress, number / len(found), "looking for periods")
         segments.append(replace(segment, period=_period(clip, options)))
     return replace(found, segments=tuple(segments))
+
+
+def cycles_in_segments(
+    found: Segmentation,
+    motion: Motion,
+    options: Options | None = None,
+    *,
+    progress: Progress | None = None,
+) -> list[Cycle]:
+    """Make the cycles of every segment by itself, in order.
+
+    Parameters
+    ----------
+    found : Segmentation
+    motion : Motion
+        The capture that was cut.
+    options : Options, optional
+        As for `roundelay.find_cycles`, which is given each segment's frames in turn.
+    progress : callable, optional
+        Called with the fraction done and the stage's name; returning False cancels.
+
+    Returns
+    -------
+    list of Cycle
+        At least one.
+
+    Raises
+    ------
+    NoPeriod
+        If no segment is periodic; the error carries the evidence of the last.
+    Cancelled
+        If `progress` returned False.
+    """
+    cycles: list[Cycle] = []
+    refused = NoPeriod("no segment is long enough to repeat anything")
+    for number, segment in enumerate(found.segments):
+        report(progress, number / len(found), "fitting cycles")
+        inside = replace(options or Options(), frames=(segment.start, segment.stop))
+        try:
+            cycles += find_cycles(motion, inside)
+        except NoPeriod as refusal:
+            refused = refusal
+        except TooShort:
+            continue
+    if not cycles:
+        raise refused
+    return cycles
 
 
 def _period(clip: Motion, options: Options | None) -> float | None:

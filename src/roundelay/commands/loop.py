@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from roundelay.motion import Motion
     from roundelay.periodicity import TopologyOptions
     from roundelay.pipeline import Options
+    from roundelay.progress import Progress
 
 Joints = Annotated[
     str | None,
@@ -68,6 +69,9 @@ Periods = Annotated[int, typer.Option(help="Periods in the written loop.", min=1
 RepeatFirst = Annotated[
     bool, typer.Option("--repeat-first", help="Let the last frame repeat the first.")
 ]
+Segments = Annotated[
+    bool, typer.Option("--segments", help="Cut into behaviours first; loops of each by itself.")
+]
 Format = Annotated[str, typer.Option(help="bvh or amc.")]
 Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
 
@@ -88,6 +92,7 @@ def loop(
     fps: Fps = None,
     periods: Periods = 1,
     repeat_first: RepeatFirst = False,
+    segments: Segments = False,
     file_format: Format = "bvh",
     picture: Picture = True,
     json: Json = False,
@@ -100,7 +105,7 @@ def loop(
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found.
     """
     from roundelay.errors import NoPeriod
-    from roundelay.pipeline import Options, find_cycles
+    from roundelay.pipeline import Options
 
     with one_line_errors():
         if file_format not in ("bvh", "amc"):
@@ -116,7 +121,7 @@ def loop(
             )
             folder = output_directory(output)
             try:
-                cycles = find_cycles(motion, options, progress=progress)
+                cycles = _cycles(motion, options, segments, progress)
             except NoPeriod as refusal:
                 _refuse(motion, capture, folder, options, refusal, json)
         sampling = {
@@ -130,6 +135,21 @@ def loop(
             print_json(record)
         else:
             _print_summary(record, folder)
+
+
+def _cycles(
+    motion: Motion, options: Options, segments: bool, progress: Progress | None
+) -> list[Cycle]:
+    """Find the cycles of the whole capture, or of each of its segments."""
+    from roundelay.behaviours import cycles_in_segments
+    from roundelay.pipeline import find_cycles
+    from roundelay.segmentation import segment
+
+    if not segments:
+        return find_cycles(motion, options, progress=progress)
+    if options.frames is not None:
+        raise ValueError("expected --frames or --segments, found both")
+    return cycles_in_segments(segment(motion), motion, options, progress=progress)
 
 
 def chosen_topology(

@@ -9,9 +9,10 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
+from roundelay.figures.space import Space, bones
 from roundelay.page import build_page
 from roundelay.page.bundle import bundle, bundled_script
-from roundelay.page.capture import Space, bones, sampling_step
+from roundelay.page.capture import sampling_step
 
 from .unpack import unpacked, values
 
@@ -72,10 +73,9 @@ def test_sampling(fps, frames, step):
 
 
 def test_bones_have_sides(jumps):
-    sides = {
-        jumps.skeleton.names[to]: side for _, to, side, _ in bones(jumps.skeleton)
-        if to < jumps.skeleton.n_joints
-    }  # fmt: skip
+    names = jumps.skeleton.names
+    joints = [bone for bone in bones(jumps.skeleton) if bone.stop < len(names)]
+    sides = {names[bone.stop]: bone.side for bone in joints}
     assert sides["LeftFoot"] == -1
     assert sides["RightFoot"] == 1
     assert sides["Head"] == 0

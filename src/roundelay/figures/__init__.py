@@ -1,14 +1,36 @@
-"""Pictures of results, with Matplotlib, which is imported only when one is drawn."""
+"""Pictures of results, with Matplotlib, which is imported only when one is drawn.
+
+Each is made from a result: a `Barcode`, an `Evidence`, a `Cycle`, a `Segmentation`, a `Motion`.
+Those that take ``axes`` draw into the caller's figure; the others return a figure of their own
+for `save`, which writes PNG, SVG or PDF by the suffix.
+"""
 
 from roundelay.figures.inspection import inspection, persistence_diagram
-from roundelay.figures.overview import barcode, coordinate, overview, plane, save
+from roundelay.figures.overview import barcode, coordinate, overview, plane
+from roundelay.figures.phase import circle_density, density, period_line, remaps
+from roundelay.figures.poses import animation, strip
+from roundelay.figures.style import new_figure, save
+from roundelay.figures.timeline import behaviours, method_curve, timeline
+from roundelay.figures.trajectory import angles, typical_trajectory
 
 __all__ = [
+    "angles",
+    "animation",
     "barcode",
+    "behaviours",
+    "circle_density",
     "coordinate",
+    "density",
     "inspection",
+    "method_curve",
+    "new_figure",
     "overview",
+    "period_line",
     "persistence_diagram",
     "plane",
+    "remaps",
     "save",
+    "strip",
+    "timeline",
+    "typical_trajectory",
 ]

@@ -8,9 +8,10 @@ from typing import Any
 from roundelay.cycles.cycle import Cycle
 from roundelay.errors import NoPeriod
 from roundelay.figures.palette import phase_colours
+from roundelay.figures.space import Space
 from roundelay.motion import Motion
 from roundelay.page.bundle import bundle
-from roundelay.page.capture import Space, capture_data
+from roundelay.page.capture import capture_data
 from roundelay.page.findings import cycle_data, refusal_data
 from roundelay.page.packing import Packer
 from roundelay.segmentation.result import Segmentation

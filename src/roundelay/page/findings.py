@@ -13,8 +13,9 @@ from roundelay.coordinate import circular_coordinate
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.fitting import time_phase
 from roundelay.errors import LiftError, NoPeriod
+from roundelay.figures.space import Space
 from roundelay.motion import Motion
-from roundelay.page.capture import Space, sampling_step
+from roundelay.page.capture import sampling_step
 from roundelay.page.packing import Packer
 from roundelay.page.table import quality_rows
 from roundelay.periodicity import Evidence

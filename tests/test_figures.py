@@ -1,0 +1,132 @@
+"""Figures: each is drawn from its result, and written in every format."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import roundelay as rl
+import roundelay.figures as figures
+from roundelay import synth
+from roundelay.figures.palette import phase_colours
+from roundelay.segmentation import segment
+
+
+@pytest.fixture(scope="module")
+def walk() -> rl.Motion:
+    return synth.gait("walk", repetitions=4.0, seed=1).motion
+
+
+@pytest.fixture(scope="module")
+def cycle(walk) -> rl.Cycle:
+    return rl.find_cycles(walk)[0]
+
+
+def painted(figure) -> float:
+    """The share of the picture that is not white."""
+    figure.canvas.draw()
+    pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
+    return float(np.mean(np.any(pixels < 250, axis=-1)))
+
+
+AXES = {
+    "barcode": lambda axes, cycle, walk: figures.barcode(axes, cycle.evidence.barcode),
+    "coordinate": lambda axes, cycle, walk: figures.coordinate(axes, cycle.evidence, walk),
+    "plane": lambda axes, cycle, walk: figures.plane(axes, cycle, walk),
+    "density": lambda axes, cycle, walk: figures.density(axes, cycle.evidence),
+    "period line": lambda axes, cycle, walk: figures.period_line(axes, cycle.evidence, walk),
+    "trajectory": lambda axes, cycle, walk: figures.typical_trajectory(axes, cycle, walk),
+    "diagram": lambda axes, cycle, walk: figures.persistence_diagram(axes, cycle.evidence.barcode),
+}
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_drawn_into_axes(name, cycle, walk):
+    figure = figures.new_figure(5.0, 4.0)
+    AXES[name](figure.subplots(), cycle, walk)
+    assert painted(figure) > 0.01
+
+
+def test_drawn_around_the_circle(cycle):
+    figure = figures.new_figure(4.0, 4.0)
+    figures.circle_density(figure.add_subplot(projection="polar"), cycle.evidence)
+    assert painted(figure) > 0.01
+
+
+WHOLE = {
+    "overview": lambda cycle, walk: figures.overview(walk, [cycle]),
+    "remaps": lambda cycle, walk: figures.remaps(walk, cycle.evidence),
+    "angles": lambda cycle, walk: figures.angles(walk, cycle),
+    "strip": lambda cycle, walk: figures.strip(cycle.sample()),
+    "timeline": lambda cycle, walk: figures.timeline(segment(walk)),
+}
+
+
+@pytest.mark.parametrize("name", WHOLE)
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_saved(name, suffix, cycle, walk, tmp_path):
+    path: Path = tmp_path / f"figure.{suffix}"
+    figures.save(WHOLE[name](cycle, walk), path)
+    start = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix]
+    assert path.read_bytes().startswith(start)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_the_density_is_one(cycle):
+    figure = figures.new_figure(4.0, 4.0)
+    axes = figure.subplots()
+    figures.density(axes, cycle.evidence)
+    x, y = axes.lines[0].get_data()
+    assert np.mean(y) * (x[-1] - x[0]) == pytest.approx(1.0, abs=0.05)
+
+
+def test_angles_of_capture_and_loop_agree(cycle, walk):
+    axes = figures.angles(walk, cycle, joints=["LeftUpLeg"], periods=2).axes
+    capture, loop = (axes[place].lines[0].get_ydata() for place in (0, 2))
+    assert np.allclose(capture, loop, atol=0.1 * np.ptp(capture))
+
+
+def test_angles_need_evidence(cycle, walk):
+    from dataclasses import replace
+
+    with pytest.raises(ValueError, match="evidence"):
+        figures.angles(walk, replace(cycle, evidence=None))
+    with pytest.raises(rl.SkeletonMismatch):
+        figures.angles(walk, cycle, joints=["tail"])
+
+
+@pytest.mark.parametrize("suffix", ["gif", "png"])
+def test_a_moving_picture(cycle, suffix, tmp_path):
+    from PIL import Image
+
+    path = tmp_path / f"loop.{suffix}"
+    figures.animation(cycle.sample(), path, fps=10.0, size=120)
+    with Image.open(path) as picture:
+        assert picture.n_frames == round(10 * cycle.period)
+        assert picture.height == 120
+        assert picture.info["loop"] == 0
+
+
+def test_moving_pictures_are_gif_or_png(cycle, tmp_path):
+    with pytest.raises(ValueError, match="gif"):
+        figures.animation(cycle.sample(), tmp_path / "loop.mp4")
+
+
+def test_phase_colours_go_around():
+    colours = phase_colours(64)
+    assert len(set(colours)) == 64
+    channels = np.array(
+        [[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in [*colours, colours[0]]]
+    )
+    assert np.abs(np.diff(channels, axis=0)).max() < 45
+
+
+def test_nothing_draws_on_import():
+    import subprocess
+    import sys
+
+    code = "import sys, roundelay.figures; print('matplotlib' in sys.modules)"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.strip() == "False"

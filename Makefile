@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CAPTURES := 01_01 01_03 Boxing_Toes
 
-.PHONY: demo test check setup clean
+.PHONY: demo test page-test docs check setup clean
 
 demo: $(VENV)/.installed
 	@mkdir -p out
@@ -13,10 +13,19 @@ demo: $(VENV)/.installed
 		$(BIN)/roundelay loop data/captures/$$name.bvh -o out; status=$$?; \
 		if [ $$status -ne 0 ] && [ $$status -ne 3 ]; then exit $$status; fi; \
 	done
-	@echo "Loops, pictures and figures are in out/."
+	@$(BIN)/roundelay view data/captures/01_01.bvh -o out/01_01.html
+	@echo "Loops, pictures and figures are in out/; open out/01_01.html in a browser."
 
 test: $(VENV)/.tested
 	$(BIN)/python -m pytest -n 2
+
+page-test: $(VENV)/.browser
+	@command -v chromium >/dev/null || { echo "page-test needs Chromium: apt-get install chromium"; exit 1; }
+	$(BIN)/python -m pytest tests/page
+
+docs: $(VENV)/.documented
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs out/docs
+	@echo "The documentation is in out/docs/index.html."
 
 check: $(VENV)/.tested
 	$(BIN)/ruff check .
@@ -36,6 +45,14 @@ $(VENV)/.installed: pyproject.toml cmake/CMakeLists.txt $(wildcard src/roundelay
 
 $(VENV)/.tested: $(VENV)/.installed
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[test,lint]'
+	@touch $@
+
+$(VENV)/.browser: $(VENV)/.tested
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[browser]'
+	@touch $@
+
+$(VENV)/.documented: $(VENV)/.installed
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	@touch $@
 
 clean:

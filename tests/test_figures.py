@@ -130,3 +130,14 @@ def test_nothing_draws_on_import():
     code = "import sys, roundelay.figures; print('matplotlib' in sys.modules)"
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert shown.stdout.strip() == "False"
+
+
+def test_the_loop_command_writes_moving_pictures(walk, tmp_path):
+    from typer.testing import CliRunner
+
+    from roundelay.cli import app
+
+    rl.write(walk, tmp_path / "walk.bvh")
+    asked = ["loop", str(tmp_path / "walk.bvh"), "-o", str(tmp_path), "--gif", "--no-picture"]
+    assert CliRunner().invoke(app, asked).exit_code == 0
+    assert (tmp_path / "walk_loop.gif").read_bytes().startswith(b"GIF89a")

@@ -74,6 +74,7 @@ Segments = Annotated[
 ]
 Format = Annotated[str, typer.Option(help="bvh or amc.")]
 Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
+Gif = Annotated[bool, typer.Option("--gif", help="Write each loop as a moving picture, too.")]
 
 
 def loop(
@@ -95,6 +96,7 @@ def loop(
     segments: Segments = False,
     file_format: Format = "bvh",
     picture: Picture = True,
+    gif: Gif = False,
     json: Json = False,
 ) -> None:
     """Find the periodic motions of a capture and write a seamless loop of each.
@@ -131,6 +133,8 @@ def loop(
             "repeat_first": repeat_first,
         }
         record = _write(motion, capture, folder, options, cycles, sampling, file_format, picture)
+        if gif:
+            _animate(record, cycles, folder)
         if json:
             print_json(record)
         else:
@@ -209,6 +213,15 @@ def _write(
         save(overview(motion, cycles), folder / f"{base}.png")
     write_json(record, folder / f"{base}.json")
     return record
+
+
+def _animate(record: dict[str, Any], cycles: list[Cycle], folder: Path) -> None:
+    """Write each loop as a GIF beside its file."""
+    from roundelay.figures import animation
+
+    for entry, cycle in zip(record["cycles"], cycles, strict=True):
+        path = folder / entry["files"][0]
+        animation(cycle.sample(), path.with_suffix(".gif"))
 
 
 def _print_summary(record: dict[str, Any], folder: Path) -> None:

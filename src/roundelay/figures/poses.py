@@ -58,10 +58,8 @@ def strip(motion: Motion, *, poses: int = 9, colour_by_phase: bool = True) -> Fi
     return figure
 
 
-def animation(
-    motion: Motion, path: Path, *, fps: float = 25.0, size: int = 320, repeat: bool = True
-) -> None:
-    """Write a moving picture of a motion, as GIF or as PNG (by the suffix).
+def animation(motion: Motion, path: Path, *, fps: float = 25.0, size: int = 320) -> None:
+    """Write a moving picture of a motion, without end, as GIF or as PNG (by the suffix).
 
     Parameters
     ----------
@@ -73,8 +71,6 @@ def animation(
         Frames a second; GIFs are shown at steps of a hundredth of a second.
     size : int
         Height in pixels.
-    repeat : bool
-        Play it again and again.
 
     Raises
     ------
@@ -93,7 +89,7 @@ def animation(
             save_all=True,
             append_images=images[1:],
             duration=round(100.0 * motion.duration / count) * 10,
-            loop=0 if repeat else 1,
+            loop=0,
             **({"disposal": 1} if path.suffix.lower() == ".gif" else {}),
         )
 

@@ -107,7 +107,8 @@ def test_ppca_backward_pass_adds_what_forward_misses(capture):
     x = poses(capture)
     forward = OnlinePPCA(120.0, PPCAOptions.paper())
     forward.push(x)
-    both, strengths = ppca_cuts(x, 120.0, PPCAOptions.paper())
+    both, strengths, curve = ppca_cuts(x, 120.0, PPCAOptions.paper())
+    assert curve == forward.curve
     assert set(forward.cuts) <= set(both)
     assert len(both) == len(strengths)
     assert min(strengths) >= 1.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -22,7 +22,7 @@ from roundelay.segmentation.gaussian import (
 from roundelay.segmentation.gmm import GMMOptions, gmm_labels
 from roundelay.segmentation.model import GaussianModel
 from roundelay.segmentation.pca import OnlinePCA, PCAOptions
-from roundelay.segmentation.ppca import OnlinePPCA, PPCAOptions, ppca_cuts
+from roundelay.segmentation.ppca import PPCAOptions, ppca_cuts
 from roundelay.segmentation.result import Curve, Segment, Segmentation
 
 __all__ = ["Method", "segment", "segment_channels"]
@@ -84,11 +84,13 @@ def segment(
     ValueError
         If an option is out of range, or ``n_segments`` cannot be met.
     """
-    values = 2.0 * joint_quaternions(motion, joints)
+    values = joint_quaternions(motion, joints)
     if leading_rest_pose(values):
         values[0] = values[1]
     options = _options(method, sensitivity, n_segments)
-    return _segment(values, motion.fps, options, _RESOLUTION, rng, motion.name)
+    # A quaternion moves half as far as its rotation turns.
+    model = GaussianModel(2.0 * values, motion.fps, _resolution(options) or _RESOLUTION)
+    return replace(_segment(values, motion.fps, options, model, rng), source=motion.name)
 
 
 def segment_channels(
@@ -113,7 +115,11 @@ def segment_channels(
     if not (np.isfinite(fps) and fps > 0.0):
         raise ValueError(f"expected a positive frame rate, found {fps}")
     options = _options(method, sensitivity, n_segments)
-    return _segment(channels, fps, options, None, rng, "")
+    return _segment(channels, fps, options, GaussianModel(channels, fps, _resolution(options)), rng)
+
+
+def _resolution(options: Options) -> float | None:
+    return options.resolution if isinstance(options, GaussianOptions) else None
 
 
 def _options(method: Method | Options, sensitivity: float, n_segments: int | None) -> Options:
@@ -142,19 +148,15 @@ def _segment(
     values: Array,
     fps: float,
     options: Options,
-    resolution: float | None,
+    model: GaussianModel,
     rng: np.random.Generator | None,
-    source: str,
 ) -> Segmentation:
-    if len(values) == 0:
-        raise TooShort("expected at least one frame, found none")
-    model = GaussianModel(values, fps, getattr(options, "resolution", None) or resolution)
     name, found = _find(values, fps, options, model, rng)
     labels = found.labels
     if labels is None:
         labels = model.labels([min(cut // model.step, len(model) - 1) for cut in found.cuts])
     segments = _segments(found, labels, len(values))
-    return Segmentation(segments, name, options, 1.0 / fps, found.curve, source)
+    return Segmentation(segments, name, options, 1.0 / fps, found.curve)
 
 
 def _find(
@@ -200,10 +202,8 @@ def _find_pca(values: Array, fps: float, options: PCAOptions) -> _Found:
 
 
 def _find_ppca(values: Array, fps: float, options: PPCAOptions) -> _Found:
-    cuts, strengths = ppca_cuts(values, fps, options)
-    online = OnlinePPCA(fps, options)
-    online.push(values)
-    rows = np.array(online.curve, float).reshape(-1, 2)
+    cuts, strengths, watched = ppca_cuts(values, fps, options)
+    rows = np.array(watched, float).reshape(-1, 2)
     curve = Curve(rows[:, 0], rows[:, 1], "Mahalanobis distance of the coming frames, H")
     return _Found(cuts, strengths, curve)
 

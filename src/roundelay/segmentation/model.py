@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.errors import TooShort
 from roundelay.segmentation.labels import recurring_labels
 from roundelay.segmentation.moments import Moments, principal_axes
 
@@ -46,9 +47,16 @@ class GaussianModel:
         Frames a second.
     resolution : float, optional
         As in `GaussianOptions`; relative to the values by default.
+
+    Raises
+    ------
+    TooShort
+        If there is no frame.
     """
 
     def __init__(self, values: Array, fps: float, resolution: float | None = None) -> None:
+        if len(values) == 0:
+            raise TooShort("expected at least one frame, found none")
         self.step = max(1, round(fps / _RATE))
         self.fps = fps / self.step
         thinned = _thinned(values, self.step)

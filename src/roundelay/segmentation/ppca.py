@@ -214,7 +214,9 @@ class OnlinePPCA:
         self._restart()
 
 
-def ppca_cuts(values: Array, fps: float, options: PPCAOptions) -> tuple[list[int], list[float]]:
+def ppca_cuts(
+    values: Array, fps: float, options: PPCAOptions
+) -> tuple[list[int], list[float], list[tuple[int, float]]]:
     """Cut with a forward and a backward pass.
 
     Parameters
@@ -231,6 +233,8 @@ def ppca_cuts(values: Array, fps: float, options: PPCAOptions) -> tuple[list[int
         First frame of every segment but the first.
     strengths : list of float
         For each cut, the rise from valley to peak over the threshold.
+    curve : list of (int, float)
+        Frame and H of the forward pass.
 
     Raises
     ------
@@ -243,7 +247,8 @@ def ppca_cuts(values: Array, fps: float, options: PPCAOptions) -> tuple[list[int
     forward, backward = OnlinePPCA(fps, options), OnlinePPCA(fps, options)
     forward.push(values)
     backward.push(values[::-1])
-    return _united(forward, [len(values) - cut for cut in backward.cuts], backward.strengths)
+    mirrored = [len(values) - cut for cut in backward.cuts]
+    return *_united(forward, mirrored, backward.strengths), forward.curve
 
 
 def _united(

@@ -83,27 +83,16 @@ static int lay_out(buckets *all, const float *lengths, int64_t n, float limit)
     return all->scratch && all->next;
 }
 
-/* Put the keys of the buckets from first to last (not included) in their places. */
-static void scatter(buckets *all, const float *lengths, int64_t n, float limit, int64_t first,
-                    int64_t last, uint64_t *keys)
+/* Put the keys of the edges of length <= limit in their buckets. */
+static void scatter(buckets *all, const float *lengths, int64_t n, float limit, uint64_t *keys)
 {
     for (int64_t i = 0; i < n; ++i)
         for (int64_t j = i + 1; j < n; ++j) {
             const float length = lengths[i * n + j];
-            if (!(length <= limit)) continue;
-            const int64_t bucket = bucket_of(all, length);
-            if (bucket >= first && bucket < last)
-                keys[all->next[bucket]++] = edge_key(length, (uint32_t)i, (uint32_t)j);
+            if (length <= limit)
+                keys[all->next[bucket_of(all, length)]++] =
+                    edge_key(length, (uint32_t)i, (uint32_t)j);
         }
-}
-
-/* The bucket before which at most a share of the edges lies, but at least one past first. */
-static int64_t stage_end(const buckets *all, int64_t first, int64_t stages)
-{
-    const int64_t most = all->start[first] + all->start[all->count] / stages;
-    int64_t last = first + 1;
-    while (last < all->count && all->start[last + 1] <= most) ++last;
-    return last;
 }
 
 static void free_buckets(buckets *all)

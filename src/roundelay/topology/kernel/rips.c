@@ -12,7 +12,6 @@
 #include "buckets.h"
 #include "relations.h"
 
-#define STAGES 5
 #define AHEAD 6
 
 void VARIANT(rips_free)(rips *state)
@@ -260,14 +259,10 @@ static int add_edges(rips *state, const uint64_t *keys, int64_t last, float limi
     return 0;
 }
 
-static void run_stages(rips *state, buckets *all, float limit, uint64_t *keys)
+static void run_buckets(rips *state, buckets *all, float limit, uint64_t *keys)
 {
-    int64_t end = 0;
+    scatter(all, state->lengths, state->n, limit, keys);
     for (int64_t bucket = 0; bucket < all->count; ++bucket) {
-        if (bucket == end) {
-            end = stage_end(all, bucket, state->wanted ? STAGES : 1);
-            scatter(all, state->lengths, state->n, limit, bucket, end, keys);
-        }
         sort_bucket(all, keys, bucket);
         if (add_edges(state, keys, all->start[bucket + 1], limit)) return;
     }
@@ -286,7 +281,7 @@ rips *VARIANT(rips_run)(const float *lengths, int64_t n, const uint16_t *label, 
     state->prime = prime;
     state->fill = fill;
     if (!state->failed) state->failed = !lay_out(&all, lengths, n, limit);
-    if (!state->failed) run_stages(state, &all, limit, keys);
+    if (!state->failed) run_buckets(state, &all, limit, keys);
     free_buckets(&all);
     if (!state->failed) return state;
     VARIANT(rips_free)(state);

@@ -73,7 +73,7 @@ def compare(data: Path, folder: Path, *, quick: bool, limit: float) -> list[Row]
     rows = []
     for case, points in inputs(data, quick).items():
         results = {
-            method: run(work.__name__, points, folder, repeats=5, limit=limit)
+            method: run(work.__name__, points, folder, repeats=1 if quick else 5, limit=limit)
             for method, work in METHODS.items()
             if installed(method)
         }
@@ -156,7 +156,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="circular coordinates beside the peers")
     parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/")
     parser.add_argument("--limit", type=float, default=120, help="seconds for one measurement")
-    parser.add_argument("--quick", action="store_true", help="small inputs, 15 s a measurement")
+    parser.add_argument(
+        "--quick", action="store_true", help="small inputs, one run each, 15 s at most"
+    )
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     limit = 15 if options.quick else options.limit

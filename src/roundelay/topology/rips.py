@@ -33,7 +33,7 @@ __all__ = ["Barcode", "persistent_cohomology"]
 
 MOST_POINTS = 65535
 LARGEST_PRIME = 46337
-BYTES_PER_PAIR = 14
+BYTES_PER_PAIR = 16
 
 _ADVICE = "use landmarks (roundelay.topology.choose_landmarks) and extend the coordinate to all"
 

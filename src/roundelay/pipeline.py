@@ -13,10 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.cycles.centroid import centroid_cycle
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.fitting import fit_cycle
 from roundelay.cycles.tempo import time_phase
@@ -31,6 +33,7 @@ from roundelay.timing import Run
 __all__ = ["Options", "find_cycles", "find_periodic"]
 
 Array = NDArray[np.float64]
+Method = Literal["harmonic", "centroid"]
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ class Options:
         Prime, class, scale and delay.
     harmonics : int, optional
         Number of harmonics of the cycle; by default what the period can need.
+    method : {"harmonic", "centroid"}
+        How poses become a cycle: harmonic regression ([C]) or centroids ([A] 4.4).
     most : int, optional
         Return this many cycles at most, best first.
     """
@@ -58,6 +63,7 @@ class Options:
     features: Features = "positions"
     topology: TopologyOptions = field(default_factory=TopologyOptions)
     harmonics: int | None = None
+    method: Method = "harmonic"
     most: int | None = None
 
 
@@ -93,15 +99,18 @@ def find_cycles(
         If `progress` returned False.
     """
     options, motion = options or Options(), motion.with_root_motion()
+    if options.method not in get_args(Method):
+        raise ValueError(f"expected a method among {get_args(Method)}, found {options.method!r}")
     points = _points(motion, options)
     found = find_periodic(motion, options, points=points, progress=progress)
     cycles = []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
         phase = time_phase(points, evidence.turns, evidence.runs, frame_time=motion.frame_time)
-        cycles.append(
-            fit_cycle(motion, phase, evidence.runs, harmonics=options.harmonics, evidence=evidence)
+        cycle = fit_cycle(
+            motion, phase, evidence.runs, harmonics=options.harmonics, evidence=evidence
         )
+        cycles.append(centroid_cycle(cycle, motion) if options.method == "centroid" else cycle)
     report(progress, 1.0, "done")
     return cycles
 

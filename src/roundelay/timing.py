@@ -13,12 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import erfc, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.errors import TooShort
+from roundelay.mixture import fit_circular_mixture
 
 __all__ = [
     "PhaseMap",
@@ -34,8 +34,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 Run = tuple[int, int]
-
-_HALF_ROOT = 1.0 / sqrt(2.0)
 
 
 def unwrap(phase: ArrayLike, runs: Sequence[Run]) -> Array:
@@ -218,46 +216,10 @@ def rank_remap(phase: ArrayLike) -> Array:
     return ranks / len(theta)
 
 
-def mixture_remap(
-    phase: ArrayLike, *, components: int = 30, iterations: int = 100, least_variance: float = 1e-5
-) -> Array:
+def mixture_remap(phase: ArrayLike) -> Array:
     """Spread phases (n,) by the distribution of a Gaussian mixture ([C] eq. 3.21).
 
-    The mixture is fitted by expectation and maximisation to three copies of the phases, one
-    turn apart, so that it is periodic ([A] 4.4, whose choices are the defaults).
-
-    Parameters
-    ----------
-    phase : (n,) array_like
-        In turns.
-    components, iterations : int
-    least_variance : float
-        Added to every component's variance.
+    The mixture is that of `roundelay.mixture.fit_circular_mixture` ([A] 4.4).
     """
     theta = np.asarray(phase, float) % 1.0
-    x = np.concatenate([theta - 1.0, theta, theta + 1.0])
-    means = np.quantile(x, (np.arange(components) + 0.5) / components)
-    variances = np.full(components, (3.0 / components) ** 2)
-    shares = np.full(components, 1.0 / components)
-    for _ in range(iterations):
-        apart = (x[:, None] - means) ** 2
-        logs = np.log(shares / np.sqrt(variances)) - 0.5 * apart / variances
-        member = np.exp(logs - logs.max(axis=1, keepdims=True))
-        member /= member.sum(axis=1, keepdims=True)
-        weight = member.sum(axis=0) + 1e-12
-        means = (x @ member) / weight
-        apart = (x[:, None] - means) ** 2
-        variances = np.sum(member * apart, axis=0) / weight + least_variance
-        shares = weight / weight.sum()
-
-    def below(points: Array) -> Array:
-        return _normal_below((points[:, None] - means) / np.sqrt(variances)) @ shares
-
-    low, high = below(np.array([0.0, 1.0]))
-    return (below(theta) - low) / (high - low)
-
-
-def _normal_below(x: Array) -> Array:
-    """Return the normal distribution function, by the error function of the library."""
-    values = [0.5 * erfc(-value * _HALF_ROOT) for value in x.ravel().tolist()]
-    return np.array(values).reshape(x.shape)
+    return fit_circular_mixture(theta).distribution(theta)

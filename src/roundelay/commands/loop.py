@@ -58,6 +58,9 @@ Most = Annotated[
 Harmonics = Annotated[
     int | None, typer.Option(help="Harmonics of the cycle.", min=1, max=500, show_default=False)
 ]
+Method = Annotated[
+    str, typer.Option(help="harmonic: a smooth regression; centroid: means of poses, as in [A].")
+]
 InPlace = Annotated[
     bool, typer.Option("--in-place/--travel", help="Leave the root's travel out, or keep it.")
 ]
@@ -89,6 +92,7 @@ def loop(
     prime: Prime = 47,
     classes: Most = None,
     harmonics: Harmonics = None,
+    method: Method = "harmonic",
     in_place: InPlace = False,
     fps: Fps = None,
     periods: Periods = 1,
@@ -119,6 +123,7 @@ def loop(
                 joints=None if joints is None else tuple(joints.split(",")),
                 topology=chosen_topology(motion, prime, class_index, scale, delay),
                 harmonics=harmonics,
+                method=method,  # type: ignore[arg-type]  # checked by find_cycles
                 most=classes,
             )
             folder = output_directory(output)

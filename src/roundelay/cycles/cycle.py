@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.cycles.harmonic import HarmonicCurve
 from roundelay.geometry import rotations as rot
+from roundelay.geometry.footlock import lock_feet
 from roundelay.motion import Motion
 from roundelay.periodicity import Evidence
 from roundelay.skeleton import Skeleton
@@ -16,6 +17,9 @@ from roundelay.skeleton import Skeleton
 __all__ = ["Cycle"]
 
 Array = NDArray[np.float64]
+
+# Body sizes a period below which a cycle stays where it is.
+_TRAVELS = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +134,8 @@ class Cycle:
         start: float = 0.0,
         in_place: bool = False,
         repeat_first: bool = False,
+        heading: float | None = None,
+        foot_lock: bool = True,
     ) -> Motion:
         """Return the cycle as frames that loop.
 
@@ -148,6 +154,12 @@ class Cycle:
             Leave out the root's travel and turning.
         repeat_first : bool
             Append the frame that repeats the first, as some programs want.
+        heading : float, optional
+            Turn the motion about the vertical so that at phase 0 it travels in this direction,
+            in radians from the Z axis towards X (from X towards Y where Z points up); as in
+            the capture by default, and for motions that do not travel.
+        foot_lock : bool
+            Hold standing feet still; see `roundelay.geometry.footlock`.
 
         Raises
         ------
@@ -160,8 +172,26 @@ class Cycle:
         if periods < 1:
             raise ValueError(f"expected at least one period, found {periods}")
         count = max(1, round(self.period * rate))
-        phase = start + np.arange(count * periods + int(repeat_first)) / count
-        return self.at(phase, frame_time=1.0 / rate, in_place=in_place)
+        frames = np.arange(count * periods + int(repeat_first))
+        motion = self.at(start + frames / count, frame_time=1.0 / rate, in_place=in_place)
+        rotations, path = motion.rotations.copy(), motion.root_path
+        if foot_lock:
+            # The periods before and after decide about feet that stand across the seam.
+            around = self.at(start + np.arange(-count, 2 * count) / count, frame_time=1.0 / rate)
+            legs, turns = lock_feet(around)
+            rotations[:, legs] = turns[count : 2 * count][frames % count]
+        if heading is not None:
+            turn = rot.from_rotation_vector(self._turn_to(heading) * np.eye(3)[self.up])
+            rotations[:, 0], path = rot.multiply(turn, rotations[:, 0]), rot.rotate(turn, path)
+        return replace(motion, rotations=rotations, root_path=path)
+
+    def _turn_to(self, direction: float) -> float:
+        """Return the angle from where phase 0 travels to a direction; 0 without travel."""
+        ahead, aside = (self.up + 1) % 3, (self.up + 2) % 3
+        speed = self.velocity.constant
+        if np.hypot(speed[ahead], speed[aside]) < _TRAVELS * self.skeleton.size:
+            return 0.0
+        return direction - float(np.arctan2(speed[aside], speed[ahead]))
 
     def at(self, phase: ArrayLike, *, frame_time: float, in_place: bool = False) -> Motion:
         """Return the poses at unwrapped phases (n,) as a motion; see `sample`."""

@@ -32,6 +32,7 @@ _CLIMB = 0.05
 # degrees of it, where this is the cosine of half the angle.
 _ONE_SIDE, _GLITCHES = 0.3, 0.05
 
+
 def fit_cycle(
     motion: Motion,
     turns: Array,

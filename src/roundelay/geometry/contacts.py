@@ -1,0 +1,203 @@
+"""Feet on the ground: which joints are feet, when they stand, how much they skate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.geometry import rotations as rot
+from roundelay.skeleton import Skeleton
+
+__all__ = ["Foot", "contacts", "find_feet", "foot_points", "skate"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_NAMES = ("foot", "toe", "ankle", "hoof", "paw")
+# The end of a limb that comes this near to the lowest one, in body sizes, is a foot.
+_LOW = 0.06
+# Shorter limbs, in body sizes, are fingers and toes: no joint branches for them.
+_LIMB = 0.12
+# Body sizes and sizes a second: a contact begins below the first and ends above the second.
+_HEIGHT, _SPEED = (0.025, 0.04), (0.2, 0.4)
+# Seconds to either side over which speed is taken; shorter contacts and gaps are none.
+_REACH, _SHORTEST = 0.02, 0.06
+# Height in body sizes below which a foot's slide counts (2.5 cm for a person).
+_SKATE_HEIGHT = 0.013
+# Seconds to either side in which a foot comes down, and sizes by which a floor is uneven.
+_STRIDE, _UNLEVEL = 0.75, 0.04
+
+
+@dataclass(frozen=True)
+class Foot:
+    """Describe a leg that can stand: two bones and the point that touches the ground.
+
+    Parameters
+    ----------
+    hip, knee, ankle : int
+        Joints of the limb's two longest consecutive bones.
+    joint : int
+        The joint that carries the point: the ball of the foot, else the ankle.
+    offset : (float, float, float)
+        The point relative to that joint.
+    """
+
+    hip: int
+    knee: int
+    ankle: int
+    joint: int
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+def find_feet(skeleton: Skeleton, positions: Array, up: int) -> tuple[Foot, ...]:
+    """Find the feet of any skeleton: limbs named so, and limbs whose ends come near the ground.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    positions : (F, J, 3) ndarray
+        Global joint positions of a motion.
+    up : int
+        The vertical axis.
+
+    Returns
+    -------
+    tuple of Foot
+        Empty if no limb of two bones comes near the ground.
+    """
+    heights = np.quantile(positions[:, :, up], 0.1, axis=0)
+    near = float(heights.min()) + _LOW * skeleton.size
+    found: dict[int, Foot] = {}
+    for leaf in sorted(set(range(skeleton.n_joints)) - set(skeleton.parents)):
+        limb = _limb(skeleton, leaf)
+        named = any(name in skeleton.names[joint].lower() for joint in limb for name in _NAMES)
+        if len(limb) > 2 and (named or heights[leaf] < near):
+            foot = _foot(skeleton, limb)
+            found.setdefault(foot.ankle, foot)
+    return tuple(found.values())
+
+
+def _limb(skeleton: Skeleton, leaf: int) -> list[int]:
+    """List the joints from below the nearest branching of the body down to a leaf."""
+    reach = np.zeros(skeleton.n_joints)
+    limbs = np.zeros(skeleton.n_joints, int)
+    lengths = np.linalg.norm(skeleton.offsets, axis=1)
+    for joint, offset in skeleton.end_sites:
+        reach[joint] = max(reach[joint], float(np.linalg.norm(offset)))
+    for joint in range(skeleton.n_joints - 1, 0, -1):
+        parent = skeleton.parents[joint]
+        limbs[parent] += reach[joint] + lengths[joint] > _LIMB * skeleton.size
+        reach[parent] = max(reach[parent], reach[joint] + lengths[joint])
+    limb = [leaf]
+    while skeleton.parents[limb[0]] > 0 and limbs[skeleton.parents[limb[0]]] < 2:
+        limb.insert(0, skeleton.parents[limb[0]])
+    return limb
+
+
+def _foot(skeleton: Skeleton, limb: list[int]) -> Foot:
+    """Take a limb's two longest consecutive bones, and the point below them."""
+    bones = np.linalg.norm(skeleton.offsets[limb[1:]], axis=1)
+    first = int(np.argmax(bones[:-1] + bones[1:]))
+    hip, knee, ankle = limb[first : first + 3]
+    least = 1e-3 * skeleton.size
+    below = [joint for joint in limb[first + 3 :] if np.any(abs(skeleton.offsets[joint]) > least)]
+    ends = [offset for joint, offset in skeleton.end_sites if joint == ankle]
+    if below:
+        return Foot(hip, knee, ankle, below[0])
+    if ends:
+        x, y, z = max(ends, key=np.linalg.norm).tolist()
+        return Foot(hip, knee, ankle, ankle, (x, y, z))
+    return Foot(hip, knee, ankle, ankle)
+
+
+def foot_points(feet: tuple[Foot, ...], positions: Array, orientations: Array) -> Array:
+    """Return where feet touch the ground, (F, n, 3), from forward kinematics' results."""
+    joints = [foot.joint for foot in feet]
+    offsets = np.array([foot.offset for foot in feet])
+    return positions[:, joints] + rot.rotate(orientations[:, joints], offsets)
+
+
+def contacts(points: Array, *, fps: float, size: float, up: int) -> Mask:
+    """Tell when points stand on the ground: low and slow, with hysteresis.
+
+    Parameters
+    ----------
+    points : (F, n, 3) ndarray
+        As from `foot_points`.
+    fps : float
+    size : float
+        The skeleton's size.
+    up : int
+        The vertical axis.
+
+    Returns
+    -------
+    (F, n) ndarray of bool
+    """
+    height = _above_ground(points, fps, size, up)
+    reach = max(1, round(_REACH * fps))
+    ahead = np.clip(np.arange(len(points)) + reach, 0, len(points) - 1)
+    behind = np.clip(np.arange(len(points)) - reach, 0, len(points) - 1)
+    moved = np.linalg.norm(points[ahead] - points[behind], axis=-1)
+    speed = moved * fps / (np.maximum(ahead - behind, 1)[:, None] * size)
+    begins = (height < _HEIGHT[0]) & (speed < _SPEED[0])
+    holds = (height < _HEIGHT[1]) & (speed < _SPEED[1])
+    shortest = max(2, round(_SHORTEST * fps))
+    columns = [_hysteresis(b, h, shortest) for b, h in zip(begins.T, holds.T, strict=True)]
+    return np.stack(columns, axis=-1) if columns else np.zeros((len(points), 0), bool)
+
+
+def _above_ground(points: Array, fps: float, size: float, up: int) -> Array:
+    """Return heights (F, n) above the ground where each point stands, in sizes.
+
+    The ground is each point's lowest height within a stride or so, since the floor of many
+    captures is not level; but not much above the lowest of all.
+    """
+    height = points[:, :, up] / size
+    reach = min(round(_STRIDE * fps), len(height) - 1)
+    padded = np.pad(height, ((reach, reach), (0, 0)), mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=0)
+    return height - np.minimum(windows.min(axis=-1), height.min(axis=0) + _UNLEVEL)
+
+
+def _hysteresis(begins: Mask, holds: Mask, shortest: int) -> Mask:
+    """Keep the stretches of `holds` in which `begins` lasts, and join near ones."""
+    result = np.zeros(len(holds), bool)
+    for start, stop in stretches(holds):
+        if begins[start:stop].sum() >= shortest:
+            result[start:stop] = True
+    for start, stop in stretches(~result):
+        if start > 0 and stop < len(result) and stop - start < shortest:
+            result[start:stop] = True
+    return result
+
+
+def stretches(mask: Mask) -> list[tuple[int, int]]:
+    """List the half-open ranges in which a mask (F,) is true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def skate(points: Array, *, fps: float, size: float, up: int) -> float:
+    """Return how far points slide along the ground, in sizes, summed over points and frames.
+
+    A slide counts in full on the ground and less above it: by 2 - 2^(h / H) up to the height
+    H of a hundredth of the body (Zhang et al. 2018, "Mode-adaptive neural networks").
+
+    Parameters
+    ----------
+    points : (F, n, 3) ndarray
+        As from `foot_points`.
+    fps : float
+    size : float
+        The skeleton's size.
+    up : int
+        The vertical axis.
+    """
+    level = np.delete(points, up, axis=2)
+    slide = np.linalg.norm(np.diff(level, axis=0), axis=-1) / size
+    height = _above_ground(points, fps, size, up) / _SKATE_HEIGHT
+    weight = np.clip(2.0 - 2.0 ** (0.5 * (height[1:] + height[:-1])), 0.0, 1.0)
+    return float(np.sum(weight * slide))

@@ -62,7 +62,7 @@ def unwrap(phase: ArrayLike, runs: Sequence[Run]) -> Array:
 def line_period(turns: ArrayLike, runs: Sequence[Run]) -> float:
     """Return the period in frames as the inverse slope of a line ([C] 3.6, fig. 3.7).
 
-    Several runs share the slope and have offsets of their own. On a structural coordinate it is
+    Slopes of several runs are averaged by length. On a structural coordinate it is
     biased for captures under two periods, as that is not uniform in time (see
     `return_period`); on a phase proportional to time (`phase_map`) it is the mean tempo.
 
@@ -71,14 +71,14 @@ def line_period(turns: ArrayLike, runs: Sequence[Run]) -> float:
     TooShort
         If the coordinate does not advance.
     """
-    along = across = 0.0
+    made = frames = 0.0
     for start, stop in runs:
         time = np.arange(stop - start) - 0.5 * (stop - start - 1)
-        along += float(time @ np.asarray(turns, float)[start:stop])
-        across += float(time @ time)
-    if along <= 0.0:
+        slope = float(time @ np.asarray(turns, float)[start:stop]) / max(float(time @ time), 1e-12)
+        made, frames = made + slope * (stop - start), frames + (stop - start)
+    if made <= 0.0:
         raise TooShort("the circular coordinate does not advance with time")
-    return across / along
+    return frames / made
 
 
 def return_period(turns: ArrayLike, runs: Sequence[Run]) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from roundelay.errors import LiftError
 from roundelay.topology.distances import Runs, cross_distances
 from roundelay.topology.kernel import engine
-from roundelay.topology.kernel.reduction import F32, F64, I32, U64, count_up_to, ends
+from roundelay.topology.kernel.reduction import F32, F64, I32, U64, count_up_to, narrow_ends
 from roundelay.topology.landmarks import Landmarks, extend_phase
 from roundelay.topology.lift import Lift, lift_to_integers
 from roundelay.topology.rips import Barcode
@@ -226,7 +226,7 @@ class Smoothing:
 
     def thinned(self, stride: int) -> Smoothing:
         """Keep only the edges between vertices whose number the stride divides."""
-        i, j = ends(self.keys)
+        i, j = narrow_ends(self.keys)
         kept = (i % stride == 0) & (j % stride == 0)
         keys, values = self.keys[kept], self.values[kept]
         return Smoothing(

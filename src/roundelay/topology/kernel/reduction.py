@@ -18,6 +18,7 @@ __all__ = [
     "Columns",
     "Reduction",
     "lengths_of",
+    "narrow_ends",
 ]
 
 F32 = NDArray[np.float32]
@@ -93,8 +94,14 @@ def lengths_of(keys: U64) -> F32:
 
 def ends(keys: U64) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the vertices i < j of edge keys."""
-    mask = np.uint64(0xFFFF)
-    return (keys >> np.uint64(16) & mask).astype(np.intp), (keys & mask).astype(np.intp)
+    i, j = narrow_ends(keys)
+    return i.astype(np.intp), j.astype(np.intp)
+
+
+def narrow_ends(keys: U64) -> tuple[U16, U16]:
+    """Return the vertices i < j of edge keys without copying them."""
+    parts = keys.astype("<u8", copy=False).view("<u2")
+    return parts[1::4], parts[0::4]
 
 
 def count_shorter(keys: U64, length: float) -> int:

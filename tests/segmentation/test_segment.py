@@ -170,6 +170,7 @@ def test_results_as_files(capture):
     assert document["method"] == "gaussian"
     assert document["options"]["sensitivity"] == 1.0
     assert len(document["segments"]) == len(found)
+    assert len(document["curve"]["values"]) == len(found.curve.frames)
     rows = found.to_csv().splitlines()
     assert rows[0].startswith("start,end,seconds,label,score")
     assert len(rows) == len(found) + 1
@@ -192,3 +193,26 @@ def test_curve_stands_above_one_at_cuts_only(capture):
     far = np.min(np.abs(found.curve.frames[:, None] - np.array(found.cuts)), axis=1) > 240
     assert found.curve.values[at_cut].min() >= 1.0
     assert found.curve.values[far].max() < 1.0
+
+
+@pytest.mark.parametrize("frames", [1, 2, 3, 17, 119, 241, 700])
+@pytest.mark.parametrize("fps", [1.0, 24.0, 120.0, 1000.0])
+@pytest.mark.parametrize("kind", ["noise", "walk", "constant", "step", "huge"])
+def test_any_numbers_give_segments_or_a_clear_error(frames, fps, kind):
+    rng = np.random.default_rng(frames)
+    noise = rng.normal(size=(frames, 5))
+    values = {
+        "noise": noise,
+        "walk": np.cumsum(noise, axis=0),
+        "constant": np.full((frames, 5), 3.0),
+        "step": np.repeat(np.arange(frames)[:, None] < frames // 2, 5, axis=1).astype(float),
+        "huge": 1e8 * noise,
+    }[kind]
+    for method in ("gaussian", "pca", "ppca", "gmm", GaussianOptions(sensitivity=50.0)):
+        try:
+            found = segment_channels(values, fps, method=method)
+        except TooShort:
+            continue
+        bounds = [0, *found.cuts, frames]
+        assert bounds == sorted(set(bounds))
+        assert np.isfinite(found.curve.values).all()

@@ -74,7 +74,7 @@ class PPCAOptions:
     def frames(self, fps: float) -> tuple[int, int]:
         """Return T and Delta in frames; T is a multiple of Delta."""
         step = max(1, round(self.step * fps))
-        return max(1, round(self.window * fps / step)) * step, step
+        return max(2, round(self.window * fps / step)) * step, step
 
     def rise(self, valley: float, peak: float) -> float:
         """How far a peak is above a valley, over the threshold: 1 makes a cut."""
@@ -111,7 +111,7 @@ class PPCAModel:
         squares, axes = np.maximum(squares[::-1], 0.0), axes[:, ::-1]
         rank = intrinsic_dimension(squares, energy)
         # Eq. 7 averages over all discarded values, structural zeros too: keep it above rounding.
-        floor = 1e-10 * squares.sum() + 1e-300
+        floor = 1e-10 * squares.sum() + 1e-15 * np.trace(products) + 1e-300
         discarded = squares[rank:].mean() if rank < len(squares) else 0.0
         spread = np.append(squares[:rank], np.full(len(squares) - rank, discarded))
         return cls(mean, np.maximum(spread, floor) / max(count - 1, 1), axes, rank)

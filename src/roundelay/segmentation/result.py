@@ -151,7 +151,7 @@ class Segmentation:
         return text.getvalue()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything but the curve, with the version and the options used."""
+        """Return everything, with the version and the options used, for JSON."""
         return {
             "roundelay": __version__,
             "source": self.source,
@@ -160,6 +160,11 @@ class Segmentation:
             "frame_time": self.frame_time,
             "n_frames": self.n_frames,
             "segments": self.bouts(),
+            "curve": {
+                "meaning": self.curve.meaning,
+                "frames": self.curve.frames.astype(int).tolist(),
+                "values": [float(f"{value:.6g}") for value in self.curve.values],
+            },
         }
 
     def to_json(self) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -93,13 +94,26 @@ class CycleSpace:
         """
         x = np.asarray(phase, float)
         w = np.broadcast_to(np.asarray(weights, float), (len(x), len(self.cycles)))
-        total = np.zeros((len(x), 4 * self.cycles[0].skeleton.n_joints))
-        for cycle, share in zip(self.cycles, w.T, strict=True):
-            values = cycle.pose(x)
-            if cycle.odd_pose is not None:
-                values = values + cycle.odd_pose(x)
-            total += share[:, None] * values
+        frequencies, table = self._table
+        angle = 2 * np.pi * x[:, None] * frequencies
+        waves = np.hstack([np.sin(angle), np.cos(angle), np.ones((len(x), 1))])
+        total = np.reshape(w[:, :, None] * waves[:, None], (len(x), -1)) @ table
         return rot.normalize(total.reshape(len(x), -1, 4))
+
+    @cached_property
+    def _table(self) -> tuple[Array, Array]:
+        """Frequencies (m,) of all cycles, and (k (2 m + 1), 4 J): sines, cosines, constant each."""
+        own = [[c.pose, *([c.odd_pose] if c.odd_pose else [])] for c in self.cycles]
+        frequencies = np.unique(np.concatenate([c.frequencies for curves in own for c in curves]))
+        m, columns = len(frequencies), 4 * self.cycles[0].skeleton.n_joints
+        table = np.zeros((len(own), 2 * m + 1, columns))
+        for rows, curves in zip(table, own, strict=True):
+            for curve in curves:
+                at = np.searchsorted(frequencies, curve.frequencies)
+                rows[at] += curve.sine
+                rows[m + at] += curve.cosine
+                rows[-1] += curve.constant
+        return frequencies, table.reshape(-1, columns)
 
     def weights_at(self, value: float, by: str = "speed") -> Array:
         """Return the weights (k,) that lie at a value of a parameter between two cycles.

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.cycles.footlock import lock_feet
 from roundelay.cycles.harmonic import HarmonicCurve
 from roundelay.geometry import rotations as rot
-from roundelay.geometry.footlock import lock_feet
 from roundelay.motion import Motion
 from roundelay.periodicity import Evidence
 from roundelay.skeleton import Skeleton
@@ -159,7 +159,7 @@ class Cycle:
             in radians from the Z axis towards X (from X towards Y where Z points up); as in
             the capture by default, and for motions that do not travel.
         foot_lock : bool
-            Hold standing feet still; see `roundelay.geometry.footlock`.
+            Hold standing feet still; see `roundelay.cycles.footlock`.
 
         Raises
         ------

@@ -83,6 +83,16 @@ def test_a_space_evaluates_what_its_blend_does(walk, run):
     assert np.allclose(space.rotations([0.3, 0.7], phase), space.cycle([0.3, 0.7]).rotations(phase))
 
 
+def test_a_space_of_spins_evaluates_whole_turns():
+    spins = [
+        rl.find_cycles(synth.gait("spin", repetitions=3, seed=seed).motion)[0] for seed in (0, 1)
+    ]
+    space, phase = rl.CycleSpace.of(spins), np.linspace(0, 2, 13)
+    shares = np.linspace([1.0, 0.0], [0.0, 1.0], 13)
+    alone = [space.cycle(w).rotations([x])[0] for w, x in zip(shares, phase, strict=True)]
+    assert np.allclose(space.rotations(shares, phase), alone)
+
+
 def test_weights_at_a_speed(walk, run):
     space = rl.CycleSpace.of([run, walk])
     slow, fast = (np.linalg.norm(c.velocity.constant) / c.period for c in (walk, run))

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What differs between Blender 4.2, 4.5 and 5.0: actions have slots and layers from 4.4 on.
+
+Nothing else in the extension asks for Blender's version.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import bpy
+
+_SLOTTED = bpy.app.version >= (4, 4, 0)
+
+
+def fcurves(data: bpy.types.AnimData) -> Iterable[Any]:
+    """Return the curves by which an action drives its object."""
+    if not _SLOTTED:
+        return data.action.fcurves
+    if data.action_slot is None:
+        return ()
+    bags = (
+        strip.channelbag(data.action_slot) for layer in data.action.layers for strip in layer.strips
+    )
+    return [curve for bag in bags if bag is not None for curve in bag.fcurves]
+
+
+def new_action(name: str, user: bpy.types.Object) -> tuple[bpy.types.Action, Any]:
+    """Make an empty action for an object; the second value is where its curves go."""
+    action = bpy.data.actions.new(name)
+    if not _SLOTTED:
+        action.id_root = "OBJECT"
+        return action, action
+    slot = action.slots.new("OBJECT", user.name)
+    strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
+    return action, strip.channelbag(slot, ensure=True)
+
+
+def new_fcurve(place: Any, path: str, index: int, group: str) -> bpy.types.FCurve:
+    """Add a curve to what `new_action` returned."""
+    if _SLOTTED:
+        return place.fcurves.new(path, index=index, group_name=group)
+    return place.fcurves.new(path, index=index, action_group=group)
+
+
+def assign(data: bpy.types.AnimData | bpy.types.NlaStrip, action: bpy.types.Action) -> None:
+    """Let an action drive an object or an NLA strip."""
+    data.action = action
+    if _SLOTTED and action.slots:
+        data.action_slot = action.slots[0]

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The operators that find loops: of all selected armatures, and the classes behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import ceil, floor
+from typing import Any
+
+import bpy
+from roundelay.errors import RoundelayError, SkeletonMismatch
+from roundelay.inspection import inspect
+from roundelay.motion import Motion
+from roundelay.quality import Quality, quality
+
+from . import plots
+from .jobs import LongOperator, Steps, threaded
+from .loops import Chosen, cycles_of, loop_of, options_of, subsampled
+from .reading import read_motion
+from .rig import Rig, rig_of
+from .writing import SOURCE, add_strip, show, write_loop
+
+
+@dataclass
+class Capture:
+    """An armature's action as read for the search."""
+
+    rig: Rig
+    action: bpy.types.Action
+    first: int
+    motion: Motion
+    chosen: Chosen = field(default_factory=tuple)
+
+
+def armatures_of(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """Return the armatures to work on: in Pose Mode those in it, else the selected ones."""
+    if context.mode == "POSE":
+        return [o for o in context.objects_in_mode if o.type == "ARMATURE"]
+    selected = [o for o in context.selected_objects if o.type == "ARMATURE"]
+    active = context.active_object
+    return selected or ([active] if active is not None and active.type == "ARMATURE" else [])
+
+
+def read_capture(
+    context: bpy.types.Context, armature: bpy.types.Object, settings: Any
+) -> Steps[Capture]:
+    """Read what an armature does in the chosen frames."""
+    data = armature.animation_data
+    if data is None or data.action is None:
+        raise SkeletonMismatch(f"{armature.name} has no action")
+    chosen = None
+    if context.mode == "POSE":
+        chosen = {bone.name for bone in context.selected_pose_bones if bone.id_data == armature}
+    rig, frames = rig_of(armature, chosen), _frames(data.action, settings)
+    reading = read_motion(rig, context.scene, frames)
+    while True:
+        try:
+            yield next(reading), f"reading {armature.name}"
+        except StopIteration as end:
+            motion = subsampled(end.value, settings.subsample)
+            return Capture(rig, data.action, frames.start, motion, _chosen(settings, armature))
+
+
+def _frames(action: bpy.types.Action, settings: Any) -> range:
+    """Return the action's frames as far as they are asked for."""
+    start, last = ceil(action.frame_range[0]), floor(action.frame_range[1])
+    if settings.use_frames:
+        start = max(start, settings.first_frame)
+        last = min(last, start + settings.frame_count - 1)
+    if last <= start:
+        raise SkeletonMismatch(f"{action.name} has no frames in the chosen range")
+    return range(start, last + 1)
+
+
+def _chosen(settings: Any, armature: bpy.types.Object) -> Chosen:
+    return [(c.motion, c.index) for c in settings.classes if c.chosen and c.armature == armature]
+
+
+class ROUNDELAY_OT_extract(LongOperator, bpy.types.Operator):
+    """Find what repeats in the actions of the selected armatures, and make seamless loops of it."""
+
+    bl_idname = "roundelay.extract"
+    bl_label = "Extract Periodic Motion"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Work needs an armature."""
+        return bool(armatures_of(context))
+
+    def steps(self, context: bpy.types.Context) -> Steps[str]:
+        """Read, search and write, one armature after the other."""
+        settings, made, faults = context.scene.roundelay, 0, []
+        settings.loops.clear()
+        for armature in armatures_of(context):
+            try:
+                made += yield from _extract(context, armature, settings)
+            except RoundelayError as fault:
+                faults.append(fault)
+        if not made:
+            raise faults[0]
+        return "; ".join([f"Made {made} loop{'s' if made > 1 else ''}", *map(str, faults)])
+
+
+def _extract(context: bpy.types.Context, armature: bpy.types.Object, settings: Any) -> Steps[int]:
+    capture = yield from read_capture(context, armature, settings)
+    options = options_of(settings)
+    render = context.scene.render
+    fps = render.fps / render.fps_base
+
+    def search(progress: Any) -> list[Any]:
+        cycles = cycles_of(capture.motion, options, capture.chosen, progress)
+        return [(cycle, quality(cycle, capture.motion)) for cycle in cycles]
+
+    found = yield from threaded(search)
+    for number, (cycle, figures) in enumerate(found, 1):
+        loop = loop_of(cycle, capture.motion, settings, fps)
+        action = _write(capture, loop, number, settings)
+        _report(settings, action, cycle, figures)
+        if settings.use_plots:
+            folder = bpy.path.abspath(settings.plot_folder)
+            plots.write(capture.motion, cycle, loop, folder, action.name)
+    return len(found)
+
+
+def _write(capture: Capture, loop: Motion, number: int, settings: Any) -> bpy.types.Action:
+    """Make the action of a loop; the first one is shown."""
+    name = f"Periodic {capture.action.name}" + (f" {number}" if number > 1 else "")
+    armature = capture.rig.armature
+    action = write_loop(
+        capture.rig, loop, name, start=capture.first, key_step=settings.key_step
+    )
+    action[SOURCE] = capture.action
+    capture.action.use_fake_user = True
+    if settings.use_strip:
+        add_strip(armature, action, settings.repeat)
+    if number == 1:
+        show(armature, action)
+    return action
+
+
+def _report(settings: Any, action: bpy.types.Action, cycle: Any, figures: Quality) -> None:
+    item = settings.loops.add()
+    item.action, item.period = action, cycle.period
+    item.repetitions, item.confidence = figures.repetitions, cycle.evidence.confidence
+    item.seam, item.step = figures.seam_rotation, figures.step_rotation
+
+
+class ROUNDELAY_OT_inspect(LongOperator, bpy.types.Operator):
+    """List the classes of the poses, to choose by hand which ones become loops."""
+
+    bl_idname = "roundelay.inspect"
+    bl_label = "List Classes"
+    bl_options = {"REGISTER", "UNDO"}
+    poll = ROUNDELAY_OT_extract.poll
+
+    def steps(self, context: bpy.types.Context) -> Steps[str]:
+        """Read and inspect, one armature after the other."""
+        settings = context.scene.roundelay
+        settings.classes.clear()
+        for armature in armatures_of(context):
+            capture = yield from read_capture(context, armature, settings)
+            options = options_of(settings)
+            found = yield from threaded(lambda _: inspect(capture.motion, options))
+            for item, values in zip(_added(settings, found), _rows(found), strict=True):
+                item.armature = armature
+                for name, value in values.items():
+                    setattr(item, name, value)
+        return f"Found {len(settings.classes)} classes"
+
+
+def _added(settings: Any, found: Any) -> Iterator[Any]:
+    for inspection in found:
+        for _ in inspection.classes:
+            yield settings.classes.add()
+
+
+def _rows(found: Any) -> Iterator[dict[str, Any]]:
+    """Describe every class; its bar's share of the longest is drawn."""
+    longest = max(one.death - one.birth for item in found for one in item.classes)
+    for number, inspection in enumerate(found):
+        for one in inspection.classes:
+            text = one.fault
+            if one.evidence is not None:
+                text = f"{one.evidence.net:.1f} turns of {one.evidence.period:.0f} frames"
+            yield {
+                "motion": number,
+                "index": one.index,
+                "birth": one.birth,
+                "death": one.death,
+                "share": (one.death - one.birth) / longest,
+                "text": text,
+            }
+
+
+CLASSES = (ROUNDELAY_OT_extract, ROUNDELAY_OT_inspect)

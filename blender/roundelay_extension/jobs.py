@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Long work in slices: at once where it is scripted, between redraws where it is clicked."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Generator
+from concurrent.futures import ThreadPoolExecutor, wait
+from typing import Any, TypeVar
+
+import bpy
+from roundelay.errors import RoundelayError
+
+Result = TypeVar("Result")
+Steps = Generator[tuple[float, str], None, Result]
+Progress = Callable[[float, str], bool]
+
+_SLICE = 0.03
+
+
+def threaded(call: Callable[[Progress], Result]) -> Steps[Result]:
+    """Run a function that touches no Blender data in a thread, yielding its progress.
+
+    Closing the generator lets the function's next report of progress cancel it.
+    """
+    state: tuple[float, str] = (0.0, "")
+    running = True
+
+    def progress(fraction: float, stage: str) -> bool:
+        nonlocal state
+        state = fraction, stage
+        return running
+
+    with ThreadPoolExecutor(1) as pool:
+        future = pool.submit(call, progress)
+        try:
+            while wait([future], timeout=_SLICE).not_done:
+                yield state
+        finally:
+            running = False
+        return future.result()
+
+
+class LongOperator:
+    """Drive the generator `steps` of an operator to its end, a slice at a time, or cancel it.
+
+    A subclass has `steps(context)`, which yields the fraction done with a text and returns one
+    line for the panel.
+    """
+
+    _steps: Steps[str]
+    _timer: Any
+
+    def steps(self, context: bpy.types.Context) -> Steps[str]:
+        """Do the work."""
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Do all of it at once."""
+        self._steps = self.steps(context)
+        while (state := self._advance(context)) is None:
+            pass
+        return state
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Start the slices."""
+        if bpy.app.background:
+            return self.execute(context)
+        self._steps = self.steps(context)
+        self._timer = context.window_manager.event_timer_add(_SLICE, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Do one slice, or stop."""
+        if event.type == "ESC":
+            self._steps.close()
+            return self._finish(context, {"CANCELLED"}, "Cancelled")
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        state = self._advance(context)
+        return {"RUNNING_MODAL"} if state is None else state
+
+    def _advance(self, context: bpy.types.Context) -> set[str] | None:
+        """Work for a slice; None as long as there is more."""
+        until = time.monotonic() + _SLICE
+        try:
+            while time.monotonic() < until:
+                self._show(context, *next(self._steps))
+        except StopIteration as end:
+            return self._finish(context, {"FINISHED"}, end.value)
+        except (RoundelayError, ValueError, OSError, RuntimeError) as error:
+            message = str(error).strip().splitlines()[0]
+            self._finish(context, {"CANCELLED"}, message)
+            self.report({"ERROR"}, message)  # type: ignore[attr-defined]
+            return {"CANCELLED"}
+        return None
+
+    def _show(self, context: bpy.types.Context, fraction: float, text: str) -> None:
+        settings = context.scene.roundelay
+        settings.progress, settings.message = fraction, text
+        _redraw(context)
+
+    def _finish(self, context: bpy.types.Context, state: set[str], message: str) -> set[str]:
+        if getattr(self, "_timer", None) is not None:
+            context.window_manager.event_timer_remove(self._timer)
+        settings = context.scene.roundelay
+        settings.progress, settings.message = 0.0, message
+        _redraw(context)
+        return state
+
+
+def _redraw(context: bpy.types.Context) -> None:
+    for area in context.screen.areas if context.screen else ():
+        area.tag_redraw()

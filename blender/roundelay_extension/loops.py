@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From the settings to roundelay and back: which cycles to look for, how their loops shall be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.fitting import fit_cycle, time_phase
+from roundelay.cycles.harmonic import HarmonicCurve
+from roundelay.errors import NoPeriod
+from roundelay.inspection import inspect
+from roundelay.motion import Motion
+from roundelay.periodicity import Evidence, TopologyOptions
+from roundelay.pipeline import Options, find_cycles
+from roundelay.poses import point_cloud
+
+from .jobs import Progress
+
+Chosen = Sequence[tuple[int, int]]
+
+
+def options_of(settings: Any) -> Options:
+    """Return the library's options for what the panel holds."""
+    topology = TopologyOptions(
+        prime=settings.prime,
+        scale=settings.scale or None,
+        delay=settings.delay / settings.subsample if settings.use_delay else None,
+    )
+    return Options(
+        topology=topology, harmonics=settings.harmonics or None, most=settings.most or None
+    )
+
+
+def subsampled(motion: Motion, step: int) -> Motion:
+    """Take every step-th frame."""
+    thin = motion.at(np.arange(0, len(motion), step))
+    return replace(thin, frame_time=motion.frame_time * step)
+
+
+def cycles_of(motion: Motion, options: Options, chosen: Chosen, progress: Progress) -> list[Cycle]:
+    """Find cycles, or make those of classes chosen by hand, as (motion, class)."""
+    if not chosen:
+        return find_cycles(motion, options, progress=progress)
+    found = inspect(motion, options, most=1 + max(index for _, index in chosen))
+    return [_chosen_cycle(motion, found, options, *which) for which in chosen]
+
+
+def _chosen_cycle(motion: Motion, found: Any, options: Options, number: int, index: int) -> Cycle:
+    classes = found[number].classes if number < len(found) else []
+    if index >= len(classes):
+        raise NoPeriod("the classes have changed; list them again")
+    if classes[index].evidence is None:
+        raise NoPeriod(f"class {index}: {classes[index].fault}")
+    return _fitted(motion.with_root_motion(), classes[index].evidence, options.harmonics)
+
+
+def _fitted(motion: Motion, evidence: Evidence, harmonics: int | None) -> Cycle:
+    points = point_cloud(motion)
+    phase = time_phase(points, evidence.turns, evidence.runs, frame_time=motion.frame_time)
+    return fit_cycle(motion, phase, evidence.runs, harmonics=harmonics, evidence=evidence)
+
+
+def loop_of(cycle: Cycle, capture: Motion, settings: Any, fps: float) -> Motion:
+    """Sample a cycle as frames of the scene, the last one the first again, heading straight on."""
+    cycle = replace(cycle, turning=0.0)
+    if settings.travel_harmonics:
+        cycle = replace(cycle, velocity=_first(cycle.velocity, settings.travel_harmonics))
+    sampling = {"fps": fps, "start": settings.start_phase, "repeat_first": True}
+    loop = cycle.sample(**sampling)
+    paths = {
+        "TRAVEL": loop.root_path,
+        "SWAY": cycle.sample(**sampling, in_place=True).root_path,
+        "NONE": np.zeros_like(loop.root_path),
+    }
+    models = settings.travel_x, settings.travel_y, settings.travel_z
+    path = np.column_stack([paths[model][:, axis] for axis, model in enumerate(models)])
+    loop = replace(loop, root_path=path + _beginning(cycle, capture, path))
+    return loop.mirror() if settings.mirror else loop
+
+
+def _beginning(cycle: Cycle, capture: Motion, path: np.ndarray) -> np.ndarray:
+    """Return what puts a path where its capture was; its height stays as it is."""
+    start, stop = cycle.evidence.runs[0] if cycle.evidence else (0, len(capture))
+    seen = capture.with_root_motion().root_path[start:stop]
+    travels = np.abs(path[-1] - path[0]) > 1e-9
+    moved = np.where(travels, seen[0] - path[0], seen.mean(axis=0) - path.mean(axis=0))
+    if np.ptp(path[:, cycle.up]) > 0.0:
+        moved[cycle.up] = 0.0
+    return moved
+
+
+def _first(curve: HarmonicCurve, count: int) -> HarmonicCurve:
+    return HarmonicCurve(
+        curve.frequencies[:count], curve.constant, curve.sine[:count], curve.cosine[:count]
+    )

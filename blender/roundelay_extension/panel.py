@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel in the 3D View's sidebar: one button, a report, and all else folded away."""
+
+from __future__ import annotations
+
+import bpy
+
+from .preview import counterpart
+
+
+class _Panel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Roundelay"
+
+
+class _Folded(_Panel):
+    bl_parent_id = "ROUNDELAY_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def column(self, context: bpy.types.Context) -> bpy.types.UILayout:
+        """Return the place for properties, names to their left."""
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        return self.layout.column()
+
+
+class ROUNDELAY_PT_main(_Panel, bpy.types.Panel):
+    """The button and what came of it."""
+
+    bl_label = "Roundelay"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw."""
+        layout, settings = self.layout, context.scene.roundelay
+        layout.operator("roundelay.extract", icon="FILE_REFRESH")
+        if context.mode == "POSE":
+            layout.label(text="Of the selected bones", icon="BONE_DATA")
+        if settings.progress > 0.0:
+            layout.progress(factor=settings.progress, text=settings.message)
+        elif settings.message:
+            layout.label(text=settings.message)
+        for item in settings.loops:
+            if item.action is not None:
+                self._draw_loop(context, item)
+        layout.operator("roundelay.toggle", text=self._toggle_text(context), icon="UV_SYNC_SELECT")
+
+    def _draw_loop(self, context: bpy.types.Context, item: bpy.types.PropertyGroup) -> None:
+        box = self.layout.box()
+        box.operator("roundelay.show", text=item.action.name).action = item.action.name
+        box.label(text=f"{item.period:.2f} s, {item.repetitions:.1f} times seen")
+        box.label(text=f"{item.confidence:.0%} sure; seam {item.seam:.1f}\u00b0 of {item.step:.1f}\u00b0")
+
+    def _toggle_text(self, context: bpy.types.Context) -> str:
+        armature = context.active_object
+        data = armature.animation_data if armature is not None else None
+        if data is None or counterpart(data.action) is None:
+            return "Capture / Loop"
+        return f"Show {counterpart(data.action).name}"
+
+
+class ROUNDELAY_PT_frames(_Folded, bpy.types.Panel):
+    """Which frames."""
+
+    bl_label = "Frames"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw."""
+        column, settings = self.column(context), context.scene.roundelay
+        column.prop(settings, "subsample")
+        column.prop(settings, "use_frames")
+        inner = column.column()
+        inner.active = settings.use_frames
+        inner.prop(settings, "first_frame")
+        inner.prop(settings, "frame_count")
+        column.operator("roundelay.frames_from_markers")
+
+
+class ROUNDELAY_PT_loop(_Folded, bpy.types.Panel):
+    """What the actions shall be like."""
+
+    bl_label = "Loop"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw."""
+        column, settings = self.column(context), context.scene.roundelay
+        for name in ("most", "start_phase", "key_step", "mirror", "use_strip"):
+            column.prop(settings, name)
+        inner = column.column()
+        inner.active = settings.use_strip
+        inner.prop(settings, "repeat")
+        travel = column.column(heading="Travel", align=True)
+        for name in ("travel_x", "travel_y", "travel_z"):
+            travel.prop(settings, name)
+
+
+class ROUNDELAY_PT_classes(_Folded, bpy.types.Panel):
+    """The persistence diagram as bars to choose from."""
+
+    bl_label = "Classes"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw."""
+        settings = context.scene.roundelay
+        self.layout.operator("roundelay.inspect")
+        for item in settings.classes:
+            row = self.layout.row(align=True)
+            row.prop(item, "chosen", text="")
+            label = f"{item.birth:.3f} - {item.death:.3f}"
+            row.progress(factor=item.share, text=label)
+            row.label(text=item.text)
+
+
+class ROUNDELAY_PT_advanced(_Folded, bpy.types.Panel):
+    """What is automatic unless given."""
+
+    bl_label = "Advanced"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw."""
+        column, settings = self.column(context), context.scene.roundelay
+        for name in ("scale", "prime", "harmonics", "travel_harmonics", "use_delay"):
+            column.prop(settings, name)
+        delay = column.column()
+        delay.active = settings.use_delay
+        delay.prop(settings, "delay")
+        column.prop(settings, "use_plots")
+        folder = column.column()
+        folder.active = settings.use_plots
+        folder.prop(settings, "plot_folder")
+
+
+class ROUNDELAY_PT_behaviours(_Folded, bpy.types.Panel):
+    """Segmentation."""
+
+    bl_label = "Behaviours"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw."""
+        column, settings = self.column(context), context.scene.roundelay
+        column.prop(settings, "sensitivity")
+        column.prop(settings, "cuts_to")
+        column.operator("roundelay.segment")
+
+
+CLASSES = (
+    ROUNDELAY_PT_main,
+    ROUNDELAY_PT_frames,
+    ROUNDELAY_PT_loop,
+    ROUNDELAY_PT_classes,
+    ROUNDELAY_PT_advanced,
+    ROUNDELAY_PT_behaviours,
+)

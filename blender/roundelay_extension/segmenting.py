@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Distinct behaviours as markers or NLA strips, and the frames of one for the search."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from roundelay.segmentation import Segment, segment
+
+from . import compat
+from .extract import Capture, armatures_of, read_capture
+from .jobs import LongOperator, Steps, threaded
+
+
+class ROUNDELAY_OT_segment(LongOperator, bpy.types.Operator):
+    """Cut the action into distinct behaviours; those that come back have the same letter."""
+
+    bl_idname = "roundelay.segment"
+    bl_label = "Cut into Behaviours"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Work needs an armature."""
+        return bool(armatures_of(context))
+
+    def steps(self, context: bpy.types.Context) -> Steps[str]:
+        """Read, cut and mark."""
+        settings, count = context.scene.roundelay, 0
+        for armature in armatures_of(context):
+            capture = yield from read_capture(context, armature, settings)
+            sensitivity = settings.sensitivity
+            found = yield from threaded(
+                lambda _: segment(capture.motion, sensitivity=sensitivity)
+            )
+            place = _strips if settings.cuts_to == "STRIPS" else _markers
+            place(context.scene, capture, found.segments, settings.subsample)
+            count += len(found)
+        return f"Found {count} behaviours"
+
+
+def _frames(capture: Capture, part: Segment, step: int) -> tuple[int, int]:
+    return capture.first + part.start * step, capture.first + part.stop * step
+
+
+def _name(part: Segment) -> str:
+    """Name a behaviour by letter, and by period where it repeats itself."""
+    letter = chr(ord("A") + part.label) if part.label < 26 else str(part.label)
+    return letter if part.period is None else f"{letter} ({part.period:.2f} s)"
+
+
+def _markers(scene: Any, capture: Capture, parts: tuple[Segment, ...], step: int) -> None:
+    for part in parts:
+        scene.timeline_markers.new(_name(part), frame=_frames(capture, part, step)[0])
+
+
+def _strips(scene: Any, capture: Capture, parts: tuple[Segment, ...], step: int) -> None:
+    """Put a strip for each behaviour on a muted track: the action itself goes on playing."""
+    track = capture.rig.armature.animation_data.nla_tracks.new()
+    track.name, track.mute = f"Behaviours {capture.action.name}", True
+    for part in parts:
+        start, stop = _frames(capture, part, step)
+        strip = track.strips.new(_name(part), start, capture.action)
+        compat.assign(strip, capture.action)
+        strip.action_frame_start, strip.action_frame_end = start, stop
+        strip.frame_start, strip.frame_end = start, stop
+
+
+class ROUNDELAY_OT_frames_from_markers(bpy.types.Operator):
+    """Search only between the markers around the current frame."""
+
+    bl_idname = "roundelay.frames_from_markers"
+    bl_label = "Range from Markers"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set the frame range."""
+        scene, settings = context.scene, context.scene.roundelay
+        frames = sorted(marker.frame for marker in scene.timeline_markers)
+        before = [frame for frame in frames if frame <= scene.frame_current]
+        after = [frame for frame in frames if frame > scene.frame_current]
+        if not before:
+            self.report({"ERROR"}, "there is no marker before the current frame")
+            return {"CANCELLED"}
+        settings.use_frames, settings.first_frame = True, before[-1]
+        settings.frame_count = after[0] - before[-1] if after else 1_000_000
+        return {"FINISHED"}
+
+
+CLASSES = (ROUNDELAY_OT_segment, ROUNDELAY_OT_frames_from_markers)

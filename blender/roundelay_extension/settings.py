@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel holds, in the scene; every default is the automatic choice."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+_AXIS_MODELS = [
+    ("TRAVEL", "Travel", "Periodic, and a line: the root moves on"),
+    ("SWAY", "In place", "Periodic only: the root stays"),
+    ("NONE", "None", "Not at all"),
+]
+
+
+class LoopReport(bpy.types.PropertyGroup):
+    """One loop that was made."""
+
+    action: PointerProperty(type=bpy.types.Action)
+    period: FloatProperty()
+    repetitions: FloatProperty()
+    confidence: FloatProperty()
+    seam: FloatProperty()
+    step: FloatProperty()
+
+
+class ClassItem(bpy.types.PropertyGroup):
+    """One class of the poses of an armature."""
+
+    armature: PointerProperty(type=bpy.types.Object)
+    motion: IntProperty()
+    index: IntProperty()
+    birth: FloatProperty()
+    death: FloatProperty()
+    share: FloatProperty(min=0.0, max=1.0)
+    text: StringProperty()
+    chosen: BoolProperty(name="Use", description="Make a loop of this class")
+
+
+class Settings(bpy.types.PropertyGroup):
+    """Options and results of the panel."""
+
+    use_frames: BoolProperty(
+        name="Frame Range", description="Use some of the action's frames only"
+    )
+    first_frame: IntProperty(name="First", description="The first frame to use", default=1)
+    frame_count: IntProperty(
+        name="Count", description="Use at most this many frames", default=500, min=8
+    )
+    subsample: IntProperty(
+        name="Subsampling",
+        description="Use every so many-th frame; 1 for all",
+        default=1,
+        min=1,
+        max=100,
+    )
+    most: IntProperty(
+        name="Loops at Most",
+        description="Number of loops, one action each, the surest first; 0 for all",
+        default=0,
+        min=0,
+    )
+    travel_x: EnumProperty(name="X", description="Root along the armature's X", items=_AXIS_MODELS)
+    travel_y: EnumProperty(name="Y", description="Root along the armature's Y", items=_AXIS_MODELS)
+    travel_z: EnumProperty(name="Z", description="Root along the armature's Z", items=_AXIS_MODELS)
+    start_phase: FloatProperty(
+        name="Start Phase", description="Where in the period the loop starts", min=0.0, max=1.0
+    )
+    mirror: BoolProperty(name="Mirror", description="Exchange left and right")
+    key_step: IntProperty(
+        name="Key Every",
+        description="Frames from key to key; 1 for a key at every frame, more for fewer keys",
+        default=1,
+        min=1,
+        max=20,
+    )
+    use_strip: BoolProperty(name="NLA Strip", description="Put the loop on an NLA track, too")
+    repeat: FloatProperty(name="Repeat", description="Repetitions in the strip", default=4, min=1)
+    scale: FloatProperty(
+        name="Scale",
+        description="Scale of the circular coordinate, in body sizes, within the bar of its "
+        "class; 0 for automatic",
+        min=0.0,
+        precision=4,
+    )
+    use_delay: BoolProperty(
+        name="Set Delay", description="Set how velocity is weighed against position"
+    )
+    delay: FloatProperty(
+        name="Delay", description="In frames; 0 for poses without velocities", min=0.0
+    )
+    prime: IntProperty(
+        name="Prime", description="Cohomology has coefficients modulo this prime", default=47, min=2
+    )
+    harmonics: IntProperty(
+        name="Joint Harmonics",
+        description="Harmonics of the joints' rotations; 0 for automatic",
+        min=0,
+        max=500,
+    )
+    travel_harmonics: IntProperty(
+        name="Travel Harmonics",
+        description="Harmonics of the root's travel; 0 for as many as the joints have",
+        min=0,
+        max=500,
+    )
+    use_plots: BoolProperty(name="PCA Plots", description="Write plots of poses and loops")
+    plot_folder: StringProperty(name="Folder", subtype="DIR_PATH", default="//")
+    sensitivity: FloatProperty(
+        name="Sensitivity",
+        description="2 finds finer behaviours, 0.5 coarser ones",
+        default=1.0,
+        min=0.05,
+        max=20.0,
+    )
+    cuts_to: EnumProperty(
+        name="Cuts To",
+        items=[
+            ("MARKERS", "Markers", "Markers on the timeline"),
+            ("STRIPS", "NLA Strips", "One strip a behaviour"),
+        ],
+    )
+    classes: CollectionProperty(type=ClassItem)
+    loops: CollectionProperty(type=LoopReport)
+    message: StringProperty()
+    progress: FloatProperty(min=0.0, max=1.0)
+
+
+CLASSES = (LoopReport, ClassItem, Settings)
+
+
+def register() -> None:
+    """Attach the settings to scenes."""
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Scene.roundelay = PointerProperty(type=Settings)
+
+
+def unregister() -> None:
+    """Take the settings off."""
+    del bpy.types.Scene.roundelay
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

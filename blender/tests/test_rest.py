@@ -1,0 +1,161 @@
+"""Behaviours, import, cancelling, rigs made by hand, registration."""
+
+import sys
+
+import bpy
+import numpy as np
+import pytest
+import roundelay
+from conftest import CAPTURES, MODULE
+from inside import curves_of, extract, keys_of, pose_at
+
+
+def test_behaviours_as_markers(jumps):
+    assert bpy.ops.roundelay.segment() == {"FINISHED"}
+    scene = bpy.context.scene
+    markers = sorted(scene.timeline_markers, key=lambda marker: marker.frame)
+    assert len(markers) > 1 and markers[0].frame == 1 and markers[0].name[0] == "A"
+    scene.frame_set(markers[1].frame + 1)
+    bpy.ops.roundelay.frames_from_markers()
+    assert scene.roundelay.first_frame == markers[1].frame
+
+
+def test_behaviours_as_strips(jumps):
+    bpy.context.scene.roundelay.cuts_to = "STRIPS"
+    assert bpy.ops.roundelay.segment() == {"FINISHED"}
+    (track,) = jumps.animation_data.nla_tracks
+    strips = list(track.strips)
+    assert len(strips) > 1
+    assert [s.frame_start for s in strips[1:]] == [s.frame_end for s in strips[:-1]]
+
+
+def test_range_from_no_markers(jumps):
+    with pytest.raises(RuntimeError, match="no marker"):
+        bpy.ops.roundelay.frames_from_markers()
+
+
+def test_import_of_acclaim(tmp_path):
+    motion = roundelay.read(CAPTURES / "01_03.bvh")
+    roundelay.write(motion, tmp_path / "walk.amc")
+    assert bpy.ops.roundelay.import_acclaim(filepath=str(tmp_path / "walk.amc")) == {"FINISHED"}
+    armature = bpy.context.view_layer.objects.active
+    assert armature.type == "ARMATURE"
+    assert bpy.context.scene.render.fps == 120
+    root = pose_at(armature, 100)[0, :3, 3]
+    x, y, z = roundelay.read(tmp_path / "walk.amc").root_path[99]
+    assert np.allclose(root, (x, -z, y), atol=0.05)
+    assert extract().name == "Periodic walk"
+
+
+def test_import_of_a_broken_file(tmp_path):
+    (tmp_path / "walk.amc").write_text("nonsense")
+    with pytest.raises(RuntimeError, match="Error"):
+        bpy.ops.roundelay.import_acclaim(filepath=str(tmp_path / "walk.amc"))
+    assert not any(block.name.startswith("walk") for block in bpy.data.armatures)
+
+
+def test_cancel(jumps):
+    """Esc closes the generator: the thread ends and nothing was made."""
+    jobs = sys.modules[f"{MODULE}.jobs"]
+    reports = []
+
+    def call(progress):
+        while True:
+            reports.append(roundelay.progress.report(progress, 0.5, "working"))
+
+    steps = jobs.threaded(call)
+    assert next(steps) == (0.5, "working")
+    steps.close()
+    seen = len(reports)
+    assert seen > 0 and len(reports) == seen
+    assert not any(a.name.startswith("Periodic") for a in bpy.data.actions)
+
+
+def test_cancelled_operator_makes_nothing(jumps):
+    extract_module = sys.modules[f"{MODULE}.extract"]
+    settings = bpy.context.scene.roundelay
+    steps = extract_module._extract(bpy.context, jumps, settings)
+    while next(steps)[1].startswith("reading"):
+        pass
+    steps.close()
+    assert not any(a.name.startswith("Periodic") for a in bpy.data.actions)
+
+
+def pendulum(*, odd_root=True):
+    """Make an armature by hand: a still root, a body that sways and travels, two swinging limbs."""
+    data = bpy.data.armatures.new("Pendulum")
+    armature = bpy.data.objects.new("Pendulum", data)
+    bpy.context.scene.collection.objects.link(armature)
+    bpy.context.view_layer.objects.active = armature
+    armature.select_set(True)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name, parent, head, tail in (
+        ("root", None, (0, 0, 0), (0, 1, 0)),
+        ("control", "root", (2, 0, 0), (2, 1, 0)),
+        ("body", "root", (0, 0, 2), (0, 0, 3)),
+        ("left.L", "body", (1, 0, 2), (1, 0.2, 1)),
+        ("left.R", "body", (-1, 0, 2), (-1, 0.2, 1)),
+    ):
+        bone = data.edit_bones.new(name)
+        bone.head, bone.tail = head, tail
+        bone.roll = 0.7 if odd_root else 0.0
+        bone.parent = data.edit_bones[parent] if parent else None
+    bpy.ops.object.mode_set(mode="POSE")
+    pose = armature.pose.bones
+    pose["left.R"].rotation_mode = "AXIS_ANGLE"
+    pose["left.L"].rotation_mode = "YXZ"
+    for frame in range(1, 202):
+        swing = 2 * np.pi * (frame - 1) / 40
+        pose["left.L"].rotation_euler = (0.6 * np.sin(swing), 0.1 * np.cos(swing), 0.2)
+        pose["left.R"].rotation_axis_angle = (-0.6 * np.sin(swing), 1.0, 0.0, 0.0)
+        pose["body"].location = (0.05 * frame, 0.02 * np.sin(swing), 0.0)
+        for name, path in (
+            ("left.L", "rotation_euler"),
+            ("left.R", "rotation_axis_angle"),
+            ("body", "location"),
+        ):
+            pose[name].keyframe_insert(path, frame=frame)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.scene.render.fps, bpy.context.scene.render.fps_base = 30, 1.0
+    return armature
+
+
+def test_an_armature_made_by_hand():
+    armature = pendulum()
+    capture = {f: pose_at(armature, f) for f in range(1, 161)}
+    action = extract()
+    start, end = int(action.frame_start), int(action.frame_end)
+    assert end - start == pytest.approx(40, abs=1)
+    names = {path.split('"')[1] for path, _ in curves_of(armature)}
+    assert names == {"body", "left.L", "left.R"}
+    begun = pose_at(armature, start)
+    moved = pose_at(armature, end)[2, :3, 3] - begun[2, :3, 3]
+    assert np.linalg.norm(moved) == pytest.approx(0.05 * 40, rel=0.02)
+    apart = [np.abs(relative(begun) - relative(pose)).max() for pose in capture.values()]
+    assert min(apart) < 0.05
+
+
+def relative(matrices):
+    return np.linalg.inv(matrices[2]) @ matrices[3:]
+
+
+def test_one_limb_alone():
+    armature = pendulum()
+    bpy.ops.object.mode_set(mode="POSE")
+    for bone in armature.pose.bones:
+        place = bone if hasattr(bone, "select") else bone.bone
+        place.select = bone.name == "left.R"
+    action = extract()
+    assert {path for path, _ in curves_of(armature)} == {
+        'pose.bones["left.R"].rotation_axis_angle'
+    }
+    assert action.frame_end - action.frame_start == pytest.approx(40, abs=1)
+    keys = keys_of(curves_of(armature)['pose.bones["left.R"].rotation_axis_angle', 0])
+    assert keys[0, 1] == keys[-1, 1]
+
+
+def test_off_and_on_again(extension):
+    extension.unregister()
+    assert not hasattr(bpy.types.Scene, "roundelay")
+    extension.register()
+    assert hasattr(bpy.types.Scene, "roundelay")

@@ -9,14 +9,14 @@ export function createBarcode(list, note, page, store) {
     bar.style.left = `${(100 * birth) / longest}%`;
     bar.style.width = `${(100 * (death - birth)) / longest}%`;
     const cells = [
-      element("span", { className: "muted" }, found ? `${number + 1}` : ""),
+      element("span", { className: "muted" }, found ? `${number}` : ""),
       element("span", { className: "track" }, bar),
       element("span", { className: "turns" }, found ? `${found.net.toFixed(2)} turns` : ""),
     ];
     if (!found) return element("div", { className: "bar minor" }, ...cells);
     const input = element("input", { type: "radio", name: "bar", value: number });
     input.addEventListener("change", () => store.change({ bar: number }));
-    const spoken = `Class ${number + 1}: born at ${birth}, dies at ${death}, ${found.net.toFixed(2)} turns`;
+    const spoken = `Class ${number}: born at ${birth}, dies at ${death}, ${found.net.toFixed(2)} turns`;
     input.setAttribute("aria-label", spoken);
     return element("label", { className: "bar" }, input, ...cells);
   }
@@ -53,6 +53,6 @@ function remark(motion, bar) {
   const found = motion.class(bar);
   if (!found) return hidden;
   const steady = Math.round((100 * found.net) / Math.max(found.total, 1e-9));
-  const about = `${hidden}Of the turning of class ${bar + 1}, ${steady} % is forwards.`;
-  return motion.loop ? `${about} The loop is made with class ${motion.chosen + 1}.` : about;
+  const about = `${hidden}Of the turning of class ${bar}, ${steady} % is forwards.`;
+  return motion.loop ? `${about} The loop is made with class ${motion.chosen}.` : about;
 }

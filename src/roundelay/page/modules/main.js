@@ -70,6 +70,8 @@ async function start() {
   showControls(store.state, page);
 
   let before = performance.now();
+  let chartsDue = false;
+  let odd = false;
   function tick(now) {
     const passed = Math.min((now - before) / 1000, 0.25);
     before = now;
@@ -78,6 +80,12 @@ async function start() {
       stale = false;
       const views = stage.draw(store.state);
       caption(views, store.state);
+      chartsDue = true;
+    }
+    // While the skeleton plays, the charts follow at half its rate.
+    odd = !odd;
+    if (chartsDue && (odd || !store.state.playing)) {
+      chartsDue = false;
       for (const layer of [timeline, plane, dial]) layer.draw();
     }
     requestAnimationFrame(tick);

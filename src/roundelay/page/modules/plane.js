@@ -4,6 +4,7 @@ import { ink, layered } from "./canvas.js";
 
 export function createPlane(canvas, page, store) {
   const { capture, colours } = page;
+  let place = null;
 
   // A function from a point of the plane to the canvas; the axes keep their ratio.
   function placer(width, height) {
@@ -46,7 +47,7 @@ export function createPlane(canvas, page, store) {
   function drawGround(context, width, height) {
     const motion = page.motion();
     if (!motion?.plane) return;
-    const place = placer(width, height);
+    place = placer(width, height);
     context.globalAlpha = 0.45;
     drawCurve(context, motion.plane.capture, place, ink("pale"), 0.75);
     context.globalAlpha = 1;
@@ -54,12 +55,12 @@ export function createPlane(canvas, page, store) {
     if (motion.plane.loop) drawCurve(context, motion.plane.loop, place, ink("ink"), 1.6);
   }
 
-  function drawHere(context, width, height) {
+  function drawHere(context) {
     const motion = page.motion();
     if (!motion?.plane) return;
     const { values, rows } = motion.plane.capture;
     const row = Math.min(Math.round(capture.place(store.state.time)), rows - 1);
-    const [x, y] = placer(width, height)(values[2 * row], values[2 * row + 1]);
+    const [x, y] = place(values[2 * row], values[2 * row + 1]);
     context.fillStyle = ink("accent");
     context.strokeStyle = ink("card");
     context.lineWidth = 2;

@@ -1,7 +1,7 @@
 // Drawing: the ground with its grid, shadows, and skeletons as limbs of round ends.
 
 const CELL = 0.5;
-const REACH = 7;
+const REACH = 6;
 
 export function drawGround(context, project, centre, colour) {
   const [cx, cz] = [Math.round(centre[0] / CELL), Math.round(centre[2] / CELL)];

@@ -1,0 +1,110 @@
+"""Sphinx configuration; the gallery's examples and the list of benchmarks are made on build."""
+
+from __future__ import annotations
+
+import ast
+import runpy
+import sys
+from pathlib import Path
+from typing import Any
+
+import latex2mathml.converter
+from docutils.nodes import SkipNode
+
+import roundelay
+
+HERE = Path(__file__).parent
+ROOT = HERE.parent
+
+project = "roundelay"
+author = "The roundelay developers"
+copyright = "the roundelay developers"
+version = release = roundelay.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "numpydoc",
+]
+myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
+myst_heading_anchors = 3
+numpydoc_show_class_members = False
+default_role = "py:obj"
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+exclude_patterns = ["_made/benchmarks.md"]
+html_theme = "furo"
+html_title = "roundelay"
+html_static_path: list[str] = []
+html_theme_options = {
+    "light_css_variables": {"color-brand-primary": "#33415c", "color-brand-content": "#c33c50"},
+    "dark_css_variables": {"color-brand-primary": "#c9d2e2", "color-brand-content": "#f4808c"},
+}
+
+
+# Formulas become MathML on build, so that the pages ask nothing of the network.
+html_math_renderer = "mathml"
+
+
+def setup(app: Any) -> None:
+    """Make the generated pages before Sphinx reads; render formulas."""
+    app.add_html_math_renderer(
+        "mathml", inline_renderers=(_inline_formula, None), block_renderers=(_formula, None)
+    )
+    made = HERE / "_made"
+    made.mkdir(exist_ok=True)
+    (made / ".gitignore").write_text("*\n")
+    app.connect("builder-inited", lambda _: _gallery(made))
+    app.connect("builder-inited", lambda _: _benchmarks(made))
+
+
+def _inline_formula(translator: Any, node: Any) -> None:
+    translator.body.append(latex2mathml.converter.convert(node.astext()))
+    raise SkipNode
+
+
+def _formula(translator: Any, node: Any) -> None:
+    formula = latex2mathml.converter.convert(node.astext(), display="block")
+    translator.body.append(f'<div class="math">{formula}</div>\n')
+    raise SkipNode
+
+
+def _gallery(made: Path) -> None:
+    """Run every example; show its text, its code, what it printed and what it drew."""
+    pages = ["# Gallery", "Each example is run when these pages are built.", ""]
+    for path in sorted((ROOT / "examples").glob("*.py")):
+        tree = ast.parse(path.read_text())
+        title, _, text = (ast.get_docstring(tree) or "").partition("\n")
+        printed = _printed(path, made)
+        pages += [f"## {title.rstrip('.')}", text.strip(), ""]
+        pages += [f"```{{literalinclude}} ../../examples/{path.name}", ":language: python"]
+        pages += [f":lines: {tree.body[1].lineno}-", "```", ""]
+        pages += ["```text", printed.rstrip(), "```", ""] if printed.strip() else []
+        for picture in sorted(made.glob(f"{path.stem}*.[ps][nv]g")):
+            pages += [f"![{title}]({picture.name})", ""]
+    (made / "gallery.md").write_text("\n".join(pages))
+
+
+def _printed(path: Path, made: Path) -> str:
+    """Run an example with its folder for pictures; return what it printed."""
+    import contextlib
+    import io
+
+    said, before = io.StringIO(), sys.argv
+    sys.argv = [str(path), str(made)]
+    try:
+        with contextlib.redirect_stdout(said):
+            runpy.run_path(str(path), run_name="__main__")
+    finally:
+        sys.argv = before
+    return said.getvalue()
+
+
+def _benchmarks(made: Path) -> None:
+    """List the benchmarks by their own words."""
+    pages = []
+    for path in sorted((ROOT / "benchmarks").glob("*.py")):
+        text = ast.get_docstring(ast.parse(path.read_text())) or ""
+        if f"python -m benchmarks.{path.stem}" in text:
+            pages += [f"## {path.stem}", "```text", text, "```", ""]
+    (made / "benchmarks.md").write_text("\n".join(pages))

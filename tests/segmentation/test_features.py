@@ -16,6 +16,10 @@ UNREAL = """pelvis spine_01 spine_02 neck_01 head clavicle_l upperarm_l lowerarm
 upperarm_r lowerarm_r thigh_l calf_l foot_l thigh_r calf_r upperarm_twist_01_l"""
 UNREAL_CHOSEN = """spine_01 spine_02 neck_01 head upperarm_l lowerarm_l upperarm_r lowerarm_r
 thigh_l calf_l thigh_r calf_r"""
+MAKEHUMAN = """Spine1 Spine2 Spine3 Neck Head Jaw Eye_L Clavicle_L UpArm_L LoArm_L Hand_L Thumb1_L
+UpArm_R LoArm_R Hip_L UpLeg_L LoLeg_L Foot_L UpLeg_R LoLeg_R Toe_R"""
+MAKEHUMAN_CHOSEN = """Spine1 Spine2 Spine3 Neck Head UpArm_L LoArm_L UpArm_R LoArm_R UpLeg_L LoLeg_L
+UpLeg_R LoLeg_R"""
 MOTIONBUILDER = """LHipJoint LeftUpLeg LeftLeg LeftFoot RHipJoint RightUpLeg RightLeg RightToeBase
 LowerBack Spine Spine1 Neck Neck1 Head LeftShoulder LeftArm LeftForeArm LeftHand LThumb
 RightShoulder RightArm RightForeArm RightFingerBase"""
@@ -33,6 +37,7 @@ def test_standard_joints_themselves():
     [
         (MIXAMO, MIXAMO_CHOSEN, "mixamorig:"),
         (UNREAL, UNREAL_CHOSEN, ""),
+        (MAKEHUMAN, MAKEHUMAN_CHOSEN, ""),
         (MOTIONBUILDER, MOTIONBUILDER_CHOSEN, ""),
     ],
 )

@@ -35,9 +35,9 @@ STANDARD_JOINTS = (
 _TRUNK = re.compile(r"spine|back|chest|thorax|torso|waist|abdomen|neck|head(?!.*(end|top|nub))")
 _LIMBS = {
     "upper arm": re.compile(r"humerus|upper_?arm|up_?arm|^[lr]_?arm$|(left|right)_?arm$|shldr"),
-    "forearm": re.compile(r"radius|fore_?arm|low(er)?_?arm|elbow"),
+    "forearm": re.compile(r"radius|fore_?arm|lo(w|wer)?_?arm|elbow"),
     "thigh": re.compile(r"femur|thigh|up(per)?_?leg"),
-    "shin": re.compile(r"tibia|shin|calf|knee|low(er)?_?leg|^[lr]_?leg$|(left|right)_?leg$"),
+    "shin": re.compile(r"tibia|shin|calf|knee|lo(w|wer)?_?leg|^[lr]_?leg$|(left|right)_?leg$"),
 }
 _EXTRAS = re.compile(r"end|nub|twist|roll|finger|thumb|index|eye|jaw|top|site|ik|pole")
 

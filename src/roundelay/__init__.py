@@ -10,6 +10,7 @@ from roundelay.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from roundelay.behaviours import with_periods
+    from roundelay.cloud import TopologyOptions
     from roundelay.cycles.blend import CycleSpace, blend, transition
     from roundelay.cycles.cycle import Cycle
     from roundelay.errors import (
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     )
     from roundelay.formats import read, write
     from roundelay.motion import Motion, concatenate
-    from roundelay.periodicity import Evidence, TopologyOptions
+    from roundelay.periodicity import Evidence
     from roundelay.pipeline import Options, find_cycles
     from roundelay.quality import Quality
     from roundelay.segmentation import Segmentation, segment
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "behaviours": ("with_periods",),
+    "cloud": ("TopologyOptions",),
     "cycles.blend": ("CycleSpace", "blend", "transition"),
     "cycles.cycle": ("Cycle",),
     "errors": (
@@ -48,7 +50,7 @@ _HOMES = {
     ),
     "formats": ("read", "write"),
     "motion": ("Motion", "concatenate"),
-    "periodicity": ("Evidence", "TopologyOptions"),
+    "periodicity": ("Evidence",),
     "pipeline": ("Options", "find_cycles"),
     "quality": ("Quality",),
     "segmentation": ("Segmentation", "segment"),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from roundelay.errors import LiftError, NoPeriod
 from roundelay.motion import Motion
-from roundelay.periodicity import Evidence
+from roundelay.periodicity import Evidence, follow
 from roundelay.pipeline import Options, find_periodic
 from roundelay.topology.significance import p_values
 
@@ -109,6 +109,6 @@ def _followed(evidence: Evidence, index: int, frames: int) -> tuple[Evidence | N
     if evidence.cloud is None:
         return None, "the points are not at hand"
     try:
-        return evidence.cloud.follow(index, scale=None, n_frames=frames), ""
+        return follow(evidence.cloud, index, n_frames=frames), ""
     except (NoPeriod, LiftError) as error:
         return None, str(error)

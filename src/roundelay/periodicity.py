@@ -13,51 +13,19 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.cloud import PoseCloud, TopologyOptions, make_cloud
 from roundelay.coordinate import CircularCoordinate, circular_coordinate
 from roundelay.errors import NoPeriod, TooShort
-from roundelay.poses import with_velocity
 from roundelay.timing import Run, phase_map, return_period, unwrap
-from roundelay.topology.rips import Barcode, persistent_cohomology
+from roundelay.topology.rips import Barcode
 
-__all__ = [
-    "Cloud",
-    "Evidence",
-    "TopologyOptions",
-    "measure",
-    "point_cloud_of",
-    "without_pauses",
-]
+__all__ = ["Evidence", "follow", "measure", "without_pauses"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-# More points than this are thinned to landmarks; exact topology of them takes about 20 ms.
-_LANDMARKS = 500
 # Shares of a turn over which pauses are looked for.
 _CELLS = 8
-
-
-@dataclass(frozen=True)
-class TopologyOptions:
-    """Choices that are automatic unless given.
-
-    Parameters
-    ----------
-    prime : int
-        Coefficients of the cohomology are integers modulo this prime.
-    class_index : int, optional
-        Which bar to use, 0 being the longest; chosen by hand, it need not stand out.
-    scale : float, optional
-        Scale of the coordinate, between birth and death of the bar, in body sizes.
-    delay : float, optional
-        Frames by which velocity is weighed against position: period / 2 pi by default, 0 for
-        poses alone.
-    """
-
-    prime: int = 47
-    class_index: int | None = None
-    scale: float | None = None
-    delay: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +46,7 @@ class Evidence:
         Of the landmarks.
     net, total : float
         Turns forward minus backward, and their sum.
-    cloud : Cloud or None
+    cloud : PoseCloud or None
         The points behind it, for following other classes.
     """
 
@@ -89,7 +57,7 @@ class Evidence:
     coordinate: CircularCoordinate = field(repr=False)
     net: float
     total: float
-    cloud: Cloud | None = field(default=None, repr=False)
+    cloud: PoseCloud | None = field(default=None, repr=False)
 
     @property
     def repetitions(self) -> float:
@@ -151,138 +119,76 @@ class Evidence:
         return None
 
 
-@dataclass(frozen=True, eq=False)
-class Cloud:
-    """The poses of some runs as a point cloud with its barcode.
-
-    Attributes
-    ----------
-    runs : tuple of (start, stop)
-        Ranges of the capture's frames.
-    frames : (m,) ndarray of int
-        The frames taken, every step-th.
-    local : list of (start, stop)
-        The runs as ranges of `frames`.
-    points : (m, d) ndarray
-        Poses with velocities.
-    stride : int
-        Every stride-th point is a landmark: a point of the barcode.
-    barcode : Barcode
-        Of the landmarks.
-    """
-
-    runs: tuple[Run, ...]
-    frames: Indices
-    local: list[Run]
-    points: Array
-    stride: int
-    barcode: Barcode
-
-    def follow(self, class_index: int, *, scale: float | None, n_frames: int) -> Evidence:
-        """Follow the circular coordinate of one class over time.
-
-        Parameters
-        ----------
-        class_index : int
-            Which bar, 0 being the longest.
-        scale : float or None
-            Of the coordinate; automatic if None.
-        n_frames : int
-            Length of the capture.
-
-        Returns
-        -------
-        Evidence
-
-        Raises
-        ------
-        NoPeriod
-            If there is no such class, or its coordinate makes no turn.
-        """
-        if len(self.barcode) <= class_index:
-            raise NoPeriod(f"the poses form {len(self.barcode)} loops", self.barcode)
-        coordinate = circular_coordinate(
-            self.barcode,
-            k=class_index,
-            scale=scale,
-            runs=[(-(-a // self.stride), -(-b // self.stride)) for a, b in self.local],
-        )
-        phase = coordinate.phase if self.stride == 1 else coordinate.evaluate(self.points)
-        turns = unwrap(phase, self.local)
-        if sum(turns[b - 1] - turns[a] for a, b in self.local) < 0.0:
-            turns = unwrap(-phase, self.local)
-        spread = np.full(n_frames, np.nan)
-        for (start, stop), (a, b) in zip(self.runs, self.local, strict=True):
-            inside = np.arange(start, stop)
-            spread[start:stop] = _interpolated(inside, self.frames[a:b], turns[a:b])
-        moved = np.concatenate([np.diff(turns[a:b]) for a, b in self.local])
-        net, total = float(moved.sum()), float(np.abs(moved).sum())
-        try:
-            period = return_period(spread, self.runs)
-        except TooShort as error:
-            raise NoPeriod(str(error), self.barcode) from None
-        return Evidence(self.runs, spread, period, self.barcode, coordinate, net, total, cloud=self)
-
-
-def point_cloud_of(
-    points: Array, runs: Sequence[Run], period: float, step: int, options: TopologyOptions
-) -> Cloud:
-    """Compute the barcode of the frames in some runs.
-
-    Parameters
-    ----------
-    points : (F, d) ndarray
-        One pose a frame.
-    runs : sequence of (start, stop)
-        Frames that show one motion.
-    period : float
-        Rough period in frames.
-    step : int
-        Take every step-th frame only.
-    options : TopologyOptions
-
-    Returns
-    -------
-    Cloud
-
-    Raises
-    ------
-    TooShort
-        If there are fewer than 4 frames.
-    """
-    thin = [np.arange(start, stop, step) for start, stop in runs]
-    frames, local = np.concatenate(thin), _bounds([len(part) for part in thin])
-    weighing = period / step if options.delay is None else 2 * np.pi * options.delay / step
-    cloud = with_velocity(points[frames], local, weighing)
-    stride = -(-len(cloud) // _LANDMARKS)
-    barcode = persistent_cohomology(cloud[::stride], prime=options.prime)
-    return Cloud(tuple(runs), frames, local, cloud, stride, barcode)
-
-
 def measure(
     points: Array, runs: Sequence[Run], period: float, step: int, options: TopologyOptions
 ) -> Evidence:
-    """Compute the barcode of some frames and follow one class, see `point_cloud_of`.
+    """Compute the barcode of some frames and follow one class over time.
+
+    Arguments as for `roundelay.cloud.make_cloud`.
 
     Raises
     ------
     NoPeriod
         If the cloud has no loop or the coordinate does not turn.
     """
-    cloud = point_cloud_of(points, runs, period, step, options)
-    return cloud.follow(options.class_index or 0, scale=options.scale, n_frames=len(points))
+    cloud = make_cloud(points, runs, period, step, options)
+    return follow(cloud, options.class_index or 0, scale=options.scale, n_frames=len(points))
 
 
-def _bounds(lengths: list[int]) -> list[Run]:
-    stops = np.cumsum(lengths).tolist()
-    return list(zip([0, *stops[:-1]], stops, strict=True))
+def follow(
+    cloud: PoseCloud, class_index: int, *, scale: float | None = None, n_frames: int
+) -> Evidence:
+    """Follow the circular coordinate of one class over time.
+
+    Parameters
+    ----------
+    cloud : PoseCloud
+    class_index : int
+        Which bar, 0 being the longest.
+    scale : float, optional
+        Of the coordinate; automatic by default.
+    n_frames : int
+        Length of the capture.
+
+    Returns
+    -------
+    Evidence
+
+    Raises
+    ------
+    NoPeriod
+        If there is no such class, or its coordinate makes no turn.
+    """
+    if len(cloud.barcode) <= class_index:
+        raise NoPeriod(f"the poses form {len(cloud.barcode)} loops", cloud.barcode)
+    coordinate = circular_coordinate(
+        cloud.barcode, k=class_index, scale=scale, runs=cloud.landmark_runs
+    )
+    phase, local = cloud.extended(coordinate), cloud.local
+    turns = unwrap(phase, local)
+    if sum(turns[b - 1] - turns[a] for a, b in local) < 0.0:
+        turns = unwrap(-phase, local)
+    spread = np.full(n_frames, np.nan)
+    for (start, stop), (a, b) in zip(cloud.runs, local, strict=True):
+        inside = np.arange(start, stop)
+        spread[start:stop] = _interpolated(inside, cloud.frames[a:b], turns[a:b])
+    moved = np.concatenate([np.diff(turns[a:b]) for a, b in local])
+    net, total = float(moved.sum()), float(np.abs(moved).sum())
+    try:
+        period = return_period(spread, cloud.runs)
+    except TooShort as error:
+        raise NoPeriod(str(error), cloud.barcode) from None
+    return Evidence(cloud.runs, spread, period, cloud.barcode, coordinate, net, total, cloud=cloud)
 
 
 def _interpolated(frames: Indices, known: Indices, values: Array) -> Array:
-    """Interpolate linearly, and go on with the last slope beyond the last known frame."""
-    slope = (values[-1] - values[-2]) / (known[-1] - known[-2]) if len(known) > 1 else 0.0
-    beyond = np.maximum(frames - known[-1], 0)
-    return np.interp(frames, known, values) + slope * beyond
+    """Interpolate linearly, and go on with the end slopes beyond the known frames."""
+    if len(known) < 2:
+        return np.full(len(frames), float(values[0]))
+    first = (values[1] - values[0]) / (known[1] - known[0])
+    last = (values[-1] - values[-2]) / (known[-1] - known[-2])
+    before, beyond = np.minimum(frames - known[0], 0), np.maximum(frames - known[-1], 0)
+    return np.interp(frames, known, values) + first * before + last * beyond
 
 
 def without_pauses(evidence: Evidence) -> list[Run]:

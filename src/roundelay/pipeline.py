@@ -18,6 +18,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.cloud import TopologyOptions
 from roundelay.cycles.centroid import centroid_cycle
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.fitting import fit_cycle
@@ -25,7 +26,7 @@ from roundelay.cycles.tempo import time_phase
 from roundelay.detection import Part, candidate_parts, leading_rest_pose, recurring_groups
 from roundelay.errors import LiftError, NoPeriod, TooShort
 from roundelay.motion import Motion
-from roundelay.periodicity import Evidence, TopologyOptions, measure, without_pauses
+from roundelay.periodicity import Evidence, measure, without_pauses
 from roundelay.poses import Features, point_cloud
 from roundelay.progress import Progress, report
 from roundelay.timing import Run
@@ -34,6 +35,7 @@ __all__ = ["Options", "find_cycles", "find_periodic"]
 
 Array = NDArray[np.float64]
 Method = Literal["harmonic", "centroid"]
+Weights = Literal["none", "length", "mass"]
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,11 @@ class Options:
         Joints that decide what is a repetition; all by default. Every joint is in the cycle.
     features : str
         What a pose is to the search, see `roundelay.poses.point_cloud`.
+    weights : {"none", "length", "mass"}
+        Weigh every joint by the length of its bones ([C] ch. 4) or by that of all bones it
+        moves, which stands for their mass ([A] 7). Positions weigh by length of themselves.
     topology : TopologyOptions
-        Prime, class, scale and delay.
+        Prime, class, scale, velocity or delays, metric, dimensions.
     harmonics : int, optional
         Number of harmonics of the cycle; by default what the period can need.
     method : {"harmonic", "centroid"}
@@ -61,6 +66,7 @@ class Options:
     frames: tuple[int, int] | None = None
     joints: Sequence[str] | None = None
     features: Features = "positions"
+    weights: Weights = "none"
     topology: TopologyOptions = field(default_factory=TopologyOptions)
     harmonics: int | None = None
     method: Method = "harmonic"
@@ -146,8 +152,14 @@ def find_periodic(
 def _points(motion: Motion, options: Options) -> Array:
     if len(motion) < 8:
         raise TooShort(f"a period needs at least 8 frames, found {len(motion)}")
-    joints = None if options.joints is None else motion.skeleton.indices(options.joints)
-    return point_cloud(motion, options.features, joints=joints)
+    skeleton = motion.skeleton
+    joints = None if options.joints is None else skeleton.indices(options.joints)
+    weights = {"none": None, "length": skeleton.bone_lengths, "mass": skeleton.moved_lengths}
+    if options.weights not in weights:
+        raise ValueError(f"expected weights among {list(weights)}, found {options.weights!r}")
+    chosen = weights[options.weights]
+    scaled = None if chosen is None else chosen / max(float(chosen.max()), 1e-12)
+    return point_cloud(motion, options.features, joints=joints, weights=scaled)
 
 
 def _frames(motion: Motion, points: Array, frames: Run | None) -> Run:

@@ -88,6 +88,14 @@ class Skeleton:
         return lengths
 
     @cached_property
+    def moved_lengths(self) -> NDArray[np.float64]:
+        """Length (J,) of all bones that a joint moves, its own and those below: as their mass."""
+        lengths = self.bone_lengths.copy()
+        for joint in range(self.n_joints - 1, 0, -1):
+            lengths[self.parents[joint]] += lengths[joint]
+        return lengths
+
+    @cached_property
     def size(self) -> float:
         """The longest path along bones between two ends: a size no pose changes.
 

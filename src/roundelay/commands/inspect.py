@@ -13,14 +13,26 @@ from roundelay.commands.common import (
     Frames,
     Json,
     Skeleton,
-    frame_range,
     one_line_errors,
     output_directory,
     print_json,
     progress_bar,
     read_capture,
 )
-from roundelay.commands.loop import Class, Delay, Joints, Picture, Prime, Scale, chosen_topology
+from roundelay.commands.loop import Picture
+from roundelay.commands.search import (
+    Class,
+    Delay,
+    Delays,
+    Dimensions,
+    Features,
+    Joints,
+    Metric,
+    Prime,
+    Scale,
+    Weights,
+    search_options,
+)
 
 if TYPE_CHECKING:
     from roundelay.inspection import Inspection
@@ -35,10 +47,15 @@ def inspect(
     skeleton: Skeleton = None,
     frames: Frames = None,
     joints: Joints = None,
-    scale: Scale = None,
+    features: Features = "positions",
+    weights: Weights = "none",
+    metric: Metric = "euclidean",
+    dimensions: Dimensions = None,
     delay: Delay = None,
-    class_index: Class = None,
+    delays: Delays = None,
     prime: Prime = 47,
+    class_index: Class = None,
+    scale: Scale = None,
     classes: Shown = 5,
     picture: Picture = True,
     json: Json = False,
@@ -49,15 +66,25 @@ def inspect(
     than the automatic choice can be given to `roundelay loop` by the options of the same names.
     """
     from roundelay.inspection import inspect as inspect_motion
-    from roundelay.pipeline import Options
 
     with one_line_errors():
         with progress_bar(quiet=json):
             motion = read_capture(capture, skeleton)
-            options = Options(
-                frames=frame_range(frames, len(motion)),
-                joints=None if joints is None else tuple(joints.split(",")),
-                topology=chosen_topology(motion, prime, class_index, scale, delay),
+            options = search_options(
+                motion,
+                frames=frames,
+                joints=joints,
+                features=features,
+                weights=weights,
+                topology={
+                    "prime": prime,
+                    "class_index": class_index,
+                    "scale": scale,
+                    "delay": delay,
+                    "delays": delays,
+                    "metric": metric,
+                    "dimensions": dimensions,
+                },
             )
             found = inspect_motion(motion, options, most=classes)
         record = _record(motion, capture, options, found)

@@ -14,44 +14,33 @@ from roundelay.commands.common import (
     Frames,
     Json,
     Skeleton,
-    frame_range,
     one_line_errors,
     output_directory,
     print_json,
     progress_bar,
     read_capture,
 )
+from roundelay.commands.search import (
+    Class,
+    Delay,
+    Delays,
+    Dimensions,
+    Features,
+    Joints,
+    Metric,
+    Prime,
+    Scale,
+    Weights,
+    search_options,
+)
 
 if TYPE_CHECKING:
     from roundelay.cycles.cycle import Cycle
     from roundelay.errors import NoPeriod
     from roundelay.motion import Motion
-    from roundelay.periodicity import TopologyOptions
     from roundelay.pipeline import Options
     from roundelay.progress import Progress
 
-Joints = Annotated[
-    str | None,
-    typer.Option(help="Joints that decide what repeats, with commas.", show_default=False),
-]
-Scale = Annotated[
-    float | None,
-    typer.Option(help="Scale of the circular coordinate, in body sizes.", show_default=False),
-]
-Delay = Annotated[
-    float | None,
-    typer.Option(
-        help="Seconds by which velocity is weighed against position; 0 for poses alone.",
-        show_default=False,
-    ),
-]
-Class = Annotated[
-    int | None,
-    typer.Option(
-        "--class", help="Use this bar, 0 being the longest; see inspect.", min=0, show_default=False
-    ),
-]
-Prime = Annotated[int, typer.Option(help="Coefficients are integers modulo this prime.")]
 Most = Annotated[
     int | None, typer.Option("--classes", help="At most so many loops.", min=1, show_default=False)
 ]
@@ -86,10 +75,15 @@ def loop(
     skeleton: Skeleton = None,
     frames: Frames = None,
     joints: Joints = None,
-    scale: Scale = None,
+    features: Features = "positions",
+    weights: Weights = "none",
+    metric: Metric = "euclidean",
+    dimensions: Dimensions = None,
     delay: Delay = None,
-    class_index: Class = None,
+    delays: Delays = None,
     prime: Prime = 47,
+    class_index: Class = None,
+    scale: Scale = None,
     classes: Most = None,
     harmonics: Harmonics = None,
     method: Method = "harmonic",
@@ -111,20 +105,30 @@ def loop(
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found.
     """
     from roundelay.errors import NoPeriod
-    from roundelay.pipeline import Options
 
     with one_line_errors():
         if file_format not in ("bvh", "amc"):
             raise ValueError(f"expected format bvh or amc, found {file_format!r}")
         with progress_bar(quiet=json) as progress:
             motion = read_capture(capture, skeleton)
-            options = Options(
-                frames=frame_range(frames, len(motion)),
-                joints=None if joints is None else tuple(joints.split(",")),
-                topology=chosen_topology(motion, prime, class_index, scale, delay),
+            options = search_options(
+                motion,
+                frames=frames,
+                joints=joints,
+                features=features,
+                weights=weights,
                 harmonics=harmonics,
-                method=method,  # type: ignore[arg-type]  # checked by find_cycles
+                method=method,
                 most=classes,
+                topology={
+                    "prime": prime,
+                    "class_index": class_index,
+                    "scale": scale,
+                    "delay": delay,
+                    "delays": delays,
+                    "metric": metric,
+                    "dimensions": dimensions,
+                },
             )
             folder = output_directory(output)
             try:
@@ -159,16 +163,6 @@ def _cycles(
     if options.frames is not None:
         raise ValueError("expected --frames or --segments, found both")
     return cycles_in_segments(segment(motion), motion, options, progress=progress)
-
-
-def chosen_topology(
-    motion: Motion, prime: int, class_index: int | None, scale: float | None, delay: float | None
-) -> TopologyOptions:
-    """Collect the options of topology; the delay comes in seconds."""
-    from roundelay.periodicity import TopologyOptions
-
-    weighing = None if delay is None else delay * motion.fps
-    return TopologyOptions(prime=prime, class_index=class_index, scale=scale, delay=weighing)
 
 
 def _refuse(

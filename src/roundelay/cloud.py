@@ -1,0 +1,202 @@
+"""The cloud that topology sees: poses of some frames, told apart by where they are going.
+
+A motion that returns to a pose half-way through its period crosses itself; velocities, or
+delays, keep the passages apart ([C] 3.8).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.coordinate import CircularCoordinate
+from roundelay.poses import principal_components, with_velocity
+from roundelay.timing import Run
+from roundelay.topology.distances import delay_distances
+from roundelay.topology.rips import Barcode, persistent_cohomology
+
+__all__ = ["PoseCloud", "PoseMetric", "TopologyOptions", "make_cloud"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+PoseMetric = Literal["euclidean", "variance", "adjacent"]
+
+# More points than this are thinned to landmarks; exact topology of them takes about 20 ms.
+_LANDMARKS = 500
+
+
+@dataclass(frozen=True)
+class TopologyOptions:
+    """Choices that are automatic unless given.
+
+    Parameters
+    ----------
+    prime : int
+        Coefficients of the cohomology are integers modulo this prime.
+    class_index : int, optional
+        Which bar to use, 0 being the longest; chosen by hand, it need not stand out.
+    scale : float, optional
+        Scale of the coordinate, between birth and death of the bar, in body sizes.
+    delay : float, optional
+        Frames by which velocity is weighed against position: period / 2 pi by default, 0 for
+        poses alone.
+    delays : int, optional
+        Use a delay embedding of so many delays over half a period ([C] 3.8; [A] 4.2) instead
+        of velocities. It loses half a period at the end of every part.
+    metric : {"euclidean", "variance", "adjacent"}
+        Distances of poses as they are, of features divided by their standard deviations
+        ([A] 6.4), or with frames next to each other in time at distance 0 ([A] 3.2).
+    dimensions : int or float, optional
+        Project on so many principal axes first, or on those that hold this share of the
+        variance ([A] 5.1); none by default.
+    """
+
+    prime: int = 47
+    class_index: int | None = None
+    scale: float | None = None
+    delay: float | None = None
+    delays: int | None = None
+    metric: PoseMetric = "euclidean"
+    dimensions: int | float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class PoseCloud:
+    """Poses of some runs with their barcode.
+
+    Attributes
+    ----------
+    runs : tuple of (start, stop)
+        Ranges of the capture's frames.
+    frames : (m,) ndarray of int
+        The frames taken.
+    local : list of (start, stop)
+        The runs as ranges of `frames`.
+    data : (m, d) or (m, L) ndarray
+        Points, or distances to the landmarks.
+    stride : int
+        Every stride-th frame is a landmark: a point of the barcode.
+    barcode : Barcode
+        Of the landmarks.
+    """
+
+    runs: tuple[Run, ...]
+    frames: Indices
+    local: list[Run]
+    data: Array
+    stride: int
+    barcode: Barcode
+
+    @property
+    def landmark_runs(self) -> list[Run]:
+        """The runs as ranges of landmarks."""
+        return [(-(-a // self.stride), -(-b // self.stride)) for a, b in self.local]
+
+    def extended(self, coordinate: CircularCoordinate) -> Array:
+        """Return the phase (m,) of all frames from that of the landmarks."""
+        return coordinate.phase if self.stride == 1 else coordinate.evaluate(self.data)
+
+
+def make_cloud(
+    points: Array, runs: Sequence[Run], period: float, step: int, options: TopologyOptions
+) -> PoseCloud:
+    """Embed the poses of some frames and compute their barcode.
+
+    Parameters
+    ----------
+    points : (F, d) ndarray
+        One pose a frame.
+    runs : sequence of (start, stop)
+        Frames that show one motion.
+    period : float
+        Rough period in frames.
+    step : int
+        Take every step-th frame only.
+    options : TopologyOptions
+
+    Returns
+    -------
+    PoseCloud
+
+    Raises
+    ------
+    TooShort
+        If there are fewer than 4 frames, or a part is shorter than the delays.
+    ValueError
+        If an option is out of range.
+    """
+    if options.metric not in get_args(PoseMetric):
+        raise ValueError(
+            f"expected a metric among {get_args(PoseMetric)}, found {options.metric!r}"
+        )
+    thin = [np.arange(start, stop, step) for start, stop in runs]
+    frames, local = np.concatenate(thin), _bounds([len(part) for part in thin])
+    poses = _scaled(points[frames], options)
+    if options.delays is not None:
+        return _delayed(poses, runs, frames, local, period / step, options)
+    weighing = period / step if options.delay is None else 2 * np.pi * options.delay / step
+    cloud = with_velocity(poses, local, weighing)
+    if options.metric == "adjacent":
+        return _from_distances(_distances(cloud), runs, frames, local, options)
+    stride = -(-len(cloud) // _LANDMARKS)
+    barcode = persistent_cohomology(cloud[::stride], prime=options.prime)
+    return PoseCloud(tuple(runs), frames, local, cloud, stride, barcode)
+
+
+def _scaled(poses: Array, options: TopologyOptions) -> Array:
+    if options.metric == "variance":
+        spread = np.std(poses, axis=0)
+        # What does not move says nothing, however little its noise.
+        poses = poses / np.where(spread > 1e-6 * spread.max(initial=0.0), spread, np.inf)
+    return poses if options.dimensions is None else principal_components(poses, options.dimensions)
+
+
+def _delayed(
+    poses: Array,
+    runs: Sequence[Run],
+    frames: Indices,
+    local: list[Run],
+    period: float,
+    options: TopologyOptions,
+) -> PoseCloud:
+    count = options.delays or 0
+    if count < 1:
+        raise ValueError(f"expected at least one delay, found {count}")
+    delays = np.unique(np.round(np.linspace(0.0, 0.5 * period, count + 1)).astype(int))
+    distances, kept, kept_runs = delay_distances(_distances(poses) ** 2, delays.tolist(), local)
+    long_enough = [run for run, (a, b) in zip(runs, local, strict=True) if b - a > delays[-1]]
+    return _from_distances(distances, long_enough, frames[kept], list(kept_runs), options)
+
+
+def _from_distances(
+    distances: NDArray[np.floating],
+    runs: Sequence[Run],
+    frames: Indices,
+    local: list[Run],
+    options: TopologyOptions,
+) -> PoseCloud:
+    stride = -(-len(distances) // _LANDMARKS)
+    near = np.array(distances[::stride, ::stride], float)
+    if options.metric == "adjacent":
+        for a, b in local:
+            after = np.arange(-(-a // stride) + 1, -(-b // stride))
+            near[after - 1, after] = near[after, after - 1] = 0.0
+    barcode = persistent_cohomology(near, metric="precomputed", prime=options.prime)
+    data = np.asarray(distances[:, ::stride], float)
+    return PoseCloud(tuple(runs), frames, local, data, stride, barcode)
+
+
+def _distances(points: Array) -> Array:
+    squares = np.einsum("ij,ij->i", points, points)
+    apart = np.maximum(squares[:, None] + squares - 2.0 * points @ points.T, 0.0)
+    np.fill_diagonal(apart, 0.0)
+    return np.sqrt(np.minimum(apart, apart.T))
+
+
+def _bounds(lengths: list[int]) -> list[Run]:
+    stops = np.cumsum(lengths).tolist()
+    return list(zip([0, *stops[:-1]], stops, strict=True))

@@ -1,0 +1,89 @@
+"""The cloud that topology sees, and every choice about it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import roundelay as rl
+from roundelay import synth
+from roundelay.cloud import make_cloud
+from roundelay.poses import point_cloud
+
+
+@pytest.fixture(scope="module")
+def walk() -> rl.Motion:
+    return synth.gait("walk", repetitions=3.2, noise=0.01).motion
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"delay": 0.0},
+        {"delay": 30.0},
+        {"delays": 8},
+        {"metric": "variance"},
+        {"metric": "adjacent"},
+        {"metric": "adjacent", "delays": 4},
+        {"dimensions": 4},
+        {"dimensions": 0.95},
+        {"prime": 11},
+    ],
+)
+def test_every_choice_finds_the_stride(walk, options):
+    chosen = rl.Options(topology=rl.TopologyOptions(**options))
+    cycle = rl.find_cycles(walk, chosen)[0]
+    assert cycle.period == pytest.approx(1.1, rel=0.02)
+
+
+@pytest.mark.parametrize("weights", ["none", "length", "mass"])
+@pytest.mark.parametrize("features", ["positions", "heading", "quaternions", "angles"])
+def test_every_feature_and_weight_finds_the_stride(walk, features, weights):
+    cycle = rl.find_cycles(walk, rl.Options(features=features, weights=weights))[0]
+    assert cycle.period == pytest.approx(1.1, rel=0.02)
+
+
+def test_velocity_keeps_passages_apart(walk):
+    """A pendulum passes each pose twice a period: only its velocity tells which way."""
+    angle = np.sin(2 * np.pi * np.arange(300) / 100)[:, None]
+    still = make_cloud(angle, [(0, 300)], 100.0, 1, rl.TopologyOptions(delay=0.0))
+    moving = make_cloud(angle, [(0, 300)], 100.0, 1, rl.TopologyOptions())
+    assert np.max(still.barcode.persistence, initial=0.0) < 0.1
+    assert moving.barcode.persistence[0] > 1.0
+
+
+def test_adjacent_frames_are_at_distance_zero(walk):
+    points = point_cloud(walk)
+    options = rl.TopologyOptions(metric="adjacent")
+    cloud = make_cloud(points, [(0, 150), (160, 300)], 130.0, 2, options)
+    # All frames of a run merge at scale 0.
+    assert np.count_nonzero(cloud.barcode.components == 0.0) >= len(cloud.frames) - 2
+
+
+def test_delays_take_half_a_period_from_every_run(walk):
+    points = point_cloud(walk)
+    cloud = make_cloud(points, [(0, 200), (220, 400)], 132.0, 2, rl.TopologyOptions(delays=6))
+    assert [b - a for a, b in cloud.local] == [100 - 33, 90 - 33]
+    assert cloud.frames[-1] == 220 + 2 * (90 - 33 - 1)
+
+
+def test_long_clouds_are_thinned_to_landmarks():
+    made = synth.gait("walk", repetitions=14)
+    points = point_cloud(made.motion)
+    cloud = make_cloud(points, [(0, len(points))], 132.0, 2, rl.TopologyOptions())
+    assert cloud.barcode.n_points <= 500 < len(cloud.frames)
+    assert cloud.landmark_runs == [(0, cloud.barcode.n_points)]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        rl.Options(weights="height"),
+        rl.Options(topology=rl.TopologyOptions(metric="taxicab")),
+        rl.Options(topology=rl.TopologyOptions(delays=0)),
+    ],
+)
+def test_unknown_choices_are_refused(walk, options):
+    with pytest.raises(ValueError, match="expected"):
+        rl.find_cycles(walk, options)

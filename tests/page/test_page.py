@@ -122,3 +122,13 @@ def test_behaviours_are_on_the_timeline(jumps, jump_cycles):
     cut = segment(jumps)
     found, _ = unpacked(payload(build_page(jumps, jump_cycles, segmentation=cut)))
     assert found["segments"] == [[part.start, part.stop, part.label] for part in cut.segments]
+
+
+def test_feet_stand_now_and_then(jumps, jump_cycles):
+    found, _ = unpacked(payload(build_page(jumps, jump_cycles)))
+    names = jumps.skeleton.names
+    for feet, whole in ((found["capture"]["feet"], 2752), (found["motions"][0]["loop"]["feet"], 1)):
+        assert {names[foot["joint"]][:4] for foot in feet} == {"Left", "Righ"}
+        for foot in feet:
+            standing = sum(stop - start for start, stop in foot["spans"])
+            assert 0.2 * whole < standing < 0.95 * whole

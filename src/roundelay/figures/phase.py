@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from roundelay.figures.palette import ACCENT, INK, PALE
 from roundelay.figures.style import dress, new_figure, phase_look
+from roundelay.mixture import fit_circular_mixture
 from roundelay.motion import Motion
 from roundelay.periodicity import Evidence
-from roundelay.timing import line_period, mixture_remap, phase_map, rank_remap
+from roundelay.timing import line_period, phase_map, rank_remap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,14 +24,15 @@ __all__ = ["circle_density", "density", "period_line", "remaps"]
 Array = NDArray[np.float64]
 
 _CELLS = 60
+_GRID = np.linspace(0.0, 1.0, 401)
 
 
 def density(axes: Axes, evidence: Evidence) -> None:
     """Draw the coordinate's histogram and its mixture density ([A] fig. 3, [C] fig. 3.6)."""
     phase = _phases(evidence)
     axes.hist(phase, bins=_CELLS, range=(0.0, 1.0), density=True, color=PALE)
-    middles, height = _mixture(phase)
-    axes.plot(middles, height, color=ACCENT, lw=2, label="mixture of 30 Gaussians")
+    height = fit_circular_mixture(phase).density(_GRID)
+    axes.plot(_GRID, height, color=ACCENT, lw=2, label="mixture of 30 Gaussians")
     dress(axes, "density of the circular coordinate", x="coordinate (turns)", y="density")
     axes.set_xlim(0.0, 1.0)
     axes.legend(frameon=False, fontsize=9)
@@ -39,9 +41,9 @@ def density(axes: Axes, evidence: Evidence) -> None:
 def circle_density(axes: PolarAxes, evidence: Evidence) -> None:
     """Draw the same around the circle, on polar axes."""
     phase = _phases(evidence)
-    middles, height = _mixture(phase)
-    angle = 2 * np.pi * np.append(middles, middles[0])
-    around = 1.0 + 0.5 * np.append(height, height[0]) / height.max()
+    height = fit_circular_mixture(phase).density(_GRID)
+    angle = 2 * np.pi * _GRID
+    around = 1.0 + 0.5 * height / height.max()
     axes.fill_between(angle, 1.0, around, color=ACCENT, alpha=0.3, lw=0)
     axes.plot(angle, around, color=ACCENT, lw=1.5)
     axes.scatter(2 * np.pi * phase, np.ones(len(phase)), c=phase, s=8, **phase_look())
@@ -52,14 +54,6 @@ def circle_density(axes: PolarAxes, evidence: Evidence) -> None:
 
 def _phases(evidence: Evidence) -> Array:
     return np.concatenate([evidence.turns[start:stop] for start, stop in evidence.runs]) % 1.0
-
-
-def _mixture(phase: Array) -> tuple[Array, Array]:
-    """Differentiate the mixture's distribution on a grid."""
-    order = np.argsort(phase)
-    grid = np.linspace(0.0, 1.0, 2 * _CELLS + 1)
-    below = np.interp(grid, phase[order], mixture_remap(phase)[order], left=0.0, right=1.0)
-    return 0.5 * (grid[1:] + grid[:-1]), np.diff(below) * 2 * _CELLS
 
 
 def remaps(motion: Motion, evidence: Evidence) -> Figure:
@@ -81,7 +75,7 @@ def remaps(motion: Motion, evidence: Evidence) -> Figure:
     maps = {
         "circular coordinate": phase,
         "spread by ranks ([C] 3.20)": rank_remap(phase),
-        "spread by a mixture ([C] 3.21)": mixture_remap(phase),
+        "spread by a mixture ([C] 3.21)": fit_circular_mixture(phase).distribution(phase),
         "by the speed of traversal (default)": by_speed,
     }
     inside = np.concatenate([np.arange(*run) for run in evidence.runs])

@@ -10,6 +10,7 @@ import numpy as np
 
 from roundelay.figures.space import Space, bones
 from roundelay.motion import Motion
+from roundelay.page.feet import standing_feet
 from roundelay.page.packing import Packer
 
 __all__ = ["capture_data", "sampling_step"]
@@ -25,7 +26,7 @@ def sampling_step(motion: Motion) -> int:
 
 
 def capture_data(motion: Motion, space: Space, packer: Packer) -> dict[str, Any]:
-    """Describe the capture: its skeleton, its rate, its joints' positions."""
+    """Describe the capture: its skeleton, its rate, its feet, its joints' positions."""
     step = sampling_step(motion)
     sampled = motion.at(np.arange(0, len(motion), step))
     points = space.points(sampled).reshape(len(sampled), -1)
@@ -35,5 +36,6 @@ def capture_data(motion: Motion, space: Space, packer: Packer) -> dict[str, Any]
         "step": step,
         "joints": motion.skeleton.n_joints,
         "bones": [astuple(bone) for bone in bones(motion.skeleton)],
+        "feet": standing_feet(motion),
         "points": packer.add(points, common_step=True),
     }

@@ -16,6 +16,7 @@ from roundelay.errors import LiftError, NoPeriod
 from roundelay.figures.space import Space
 from roundelay.motion import Motion
 from roundelay.page.capture import sampling_step
+from roundelay.page.feet import loop_feet
 from roundelay.page.packing import Packer
 from roundelay.page.table import quality_rows
 from roundelay.periodicity import Evidence
@@ -166,6 +167,7 @@ def _loop(
     return {
         "points": packer.add(space.points(period).reshape(count + 1, -1), common_step=True),
         "turning": cycle.turning,
+        "feet": loop_feet(cycle),
         "phase": packer.add(np.nan_to_num(phase[:: sampling_step(motion)])),
     }
 

@@ -1,10 +1,10 @@
 // The capture and what was found in it, asked by frame or by time.
 
-import { Loop, Track } from "./track.js";
+import { Loop, Track, standing } from "./track.js";
 
 export class Capture {
-  constructor({ frames, fps, step, joints, bones, points }) {
-    Object.assign(this, { frames, fps, step, joints, bones });
+  constructor({ frames, fps, step, joints, bones, feet, points }) {
+    Object.assign(this, { frames, fps, step, joints, bones, feet });
     this.track = new Track(points);
     this.seconds = (frames - 1) / fps;
   }
@@ -15,6 +15,11 @@ export class Capture {
 
   at(seconds) {
     return this.track.at(this.place(seconds));
+  }
+
+  // The joints of the feet that stand.
+  standing(seconds) {
+    return standing(this.feet, seconds * this.fps);
   }
 }
 

@@ -50,6 +50,22 @@ export function drawShadow(context, project, points, bones, colour) {
   context.stroke();
 }
 
+// A ring on the ground under each of these joints.
+export function drawContacts(context, project, points, joints, colour) {
+  context.strokeStyle = colour;
+  context.lineWidth = 2.5;
+  for (const joint of joints) {
+    context.beginPath();
+    for (let step = 0; step <= 20; step++) {
+      const angle = (Math.PI * step) / 10;
+      const [x, z] = [Math.cos(angle), Math.sin(angle)].map((value) => 0.05 * value);
+      const place = project(points[3 * joint] + x, 0, points[3 * joint + 2] + z);
+      if (place) context.lineTo(place[0], place[1]);
+    }
+    context.stroke();
+  }
+}
+
 // Colours: a function from a bone's side (-1, 0, 1) to a colour.
 export function drawSkeleton(context, project, points, bones, colours, { alpha = 1, thin = 1 } = {}) {
   const limbs = [];

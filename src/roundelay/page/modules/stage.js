@@ -1,53 +1,25 @@
 // The stage: capture, loop, both side by side, or one over the other.
 
 import { fitted, ink } from "./canvas.js";
-import { drawGround, drawShadow, drawSkeleton } from "./skeleton.js";
-import { alignment, moveRigidly } from "./track.js";
+import { drawContacts, drawGround, drawShadow, drawSkeleton } from "./skeleton.js";
+import { createActors } from "./actors.js";
 
 const GHOSTS = [-4, 4, -3, 3, -2, 2, -1, 1];
 
 export function createStage(canvas, camera, page) {
   const { capture, colours } = page;
   const middle = boundingMiddle(capture.track);
-
-  function sided(side) {
-    return ink(side < 0 ? "left" : side > 0 ? "right" : "bone");
-  }
+  const actors = createActors(page);
 
   function phaseColour(turns) {
     return colours[Math.floor((turns - Math.floor(turns)) * colours.length) % colours.length];
-  }
-
-  function coordinate(time, state) {
-    return page.motion()?.turns(state.bar, time) ?? null;
-  }
-
-  // Who is where: what shows the pose at a time, and in what colours.
-  function actors(state) {
-    const motion = page.motion();
-    const own = cached(sided);
-    const real = { label: "Capture", pose: (time) => capture.at(time), colours: own, phase: coordinate, real: true };
-    if (!motion?.loop || state.view === "capture") return [[real]];
-    const looped = { label: "Loop", pose: (time) => motion.loop.at(motion.steadyPhase(time)), colours: own, phase: motion.steadyPhase.bind(motion) };
-    if (state.view === "loop") return [[looped]];
-    const inStep = { ...looped, pose: (time) => laidOnCapture(motion, time), phase: coordinate };
-    if (state.view === "beside") return [[real], [inStep]];
-    const plain = { ...real, colours: () => ink("bone") };
-    if (!motion.part(state.time)) return [[plain]];
-    return [[plain, { ...inStep, colours: () => ink("accent"), thin: 0.55 }]];
-  }
-
-  function laidOnCapture(motion, time) {
-    const pose = motion.loop.inPlace(motion.loopPhase(time));
-    const { angle, shift } = alignment(pose, capture.at(time), capture.joints);
-    return moveRigidly(pose, angle, shift);
   }
 
   function drawGhosts(context, project, actor, state) {
     const spacing = (page.motion()?.period ?? 1.5) / 12;
     for (const place of GHOSTS) {
       const time = state.time + place * spacing;
-      if (actor.real && (time < 0 || time > capture.seconds)) continue;
+      if (actor.ends && (time < 0 || time > capture.seconds)) continue;
       const turns = actor.phase(time, state);
       const colour = turns === null ? ink("pale") : phaseColour(turns);
       const look = { alpha: 0.6 - 0.11 * Math.abs(place), thin: 0.55 };
@@ -70,6 +42,7 @@ export function createStage(canvas, camera, page) {
       const project = camera.projector(share, height, number * share);
       drawGround(context, project, camera.target, ink("grid"));
       drawShadow(context, project, poses[0], capture.bones, ink("shadow"));
+      drawContacts(context, project, poses[0], group[0].feet(state.time), ink("accent"));
       if (state.onion) group.forEach((actor) => drawGhosts(context, project, actor, state));
       group.forEach((actor, i) => {
         const look = { thin: actor.thin ?? 1 };
@@ -87,11 +60,6 @@ export function createStage(canvas, camera, page) {
   }
 
   return { draw };
-}
-
-function cached(colour) {
-  const known = new Map([-1, 0, 1].map((side) => [side, colour(side)]));
-  return (side) => known.get(side);
 }
 
 function boundingMiddle({ values, columns }) {

@@ -22,6 +22,12 @@ export class Track {
   }
 }
 
+// The joints of feet of which a span holds this moment.
+export function standing(feet, moment) {
+  const down = ({ spans }) => spans.some(([start, stop]) => start <= moment && moment < stop);
+  return feet.filter(down).map(({ joint }) => joint);
+}
+
 // Turn and move points (x, y, z, x, ...) about the vertical, in place.
 export function moveRigidly(points, angle, shift) {
   const cosine = Math.cos(angle);
@@ -38,9 +44,10 @@ export function moveRigidly(points, angle, shift) {
 
 // The loop as an endless motion: its one period, carried on by its travel and turning.
 export class Loop {
-  constructor({ points, turning, phase }) {
+  constructor({ points, turning, feet, phase }) {
     this.track = new Track(points);
     this.turning = turning;
+    this.feet = feet;
     this.phase = new Track(phase);
     this.#measureStep();
   }
@@ -65,6 +72,11 @@ export class Loop {
   inPlace(phase) {
     const part = phase - Math.floor(phase);
     return this.track.at(part * (this.track.rows - 1));
+  }
+
+  // The joints of the feet that stand.
+  standing(phase) {
+    return standing(this.feet, phase - Math.floor(phase));
   }
 
   // Turn and move the loop so that at this phase it stands where this pose does.

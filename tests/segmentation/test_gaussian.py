@@ -47,8 +47,8 @@ def test_cuts_keep_the_shortest_segment(capture):
 def test_forgetting_keeps_recent_and_best():
     reached, age = np.arange(200.0), np.linspace(100.0, 0.0, 200)
     keep = gaussian._remembered(reached, age)
-    assert keep[age <= 25.0].all()
-    assert np.flatnonzero(keep[age > 25.0]).tolist() == list(range(30))
+    assert keep[age <= gaussian._MEMORY].all()
+    assert np.flatnonzero(keep[age > gaussian._MEMORY]).tolist() == list(range(gaussian._VETERANS))
 
 
 def test_labels_merge_same_clouds_only():

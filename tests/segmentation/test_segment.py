@@ -195,8 +195,8 @@ def test_curve_stands_above_one_at_cuts_only(capture):
     assert found.curve.values[far].max() < 1.0
 
 
-@pytest.mark.parametrize("frames", [1, 2, 3, 17, 119, 241, 700])
-@pytest.mark.parametrize("fps", [1.0, 24.0, 120.0, 1000.0])
+@pytest.mark.parametrize("frames", [1, 2, 17, 119, 241, 500])
+@pytest.mark.parametrize("fps", [1.0, 24.0, 120.0])
 @pytest.mark.parametrize("kind", ["noise", "walk", "constant", "step", "huge"])
 def test_any_numbers_give_segments_or_a_clear_error(frames, fps, kind):
     rng = np.random.default_rng(frames)

@@ -35,8 +35,8 @@ _REACH = 1.0
 # A cut prefers moments of little motion: its prior is speed to minus this power.
 _CALM = 2.0
 # Candidates for a segment's start older than this (seconds) must be among so many best.
-_MEMORY = 25.0
-_VETERANS = 30
+_MEMORY = 12.0
+_VETERANS = 15
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,8 @@ class Evidence:
         Turns forward minus backward, and their sum.
     cloud : PoseCloud or None
         The points behind it, for following other classes.
+    closed : bool
+        The frames are one period whose ends meet; `turns` is their phase in time.
     """
 
     runs: tuple[Run, ...]
@@ -58,10 +60,13 @@ class Evidence:
     net: float
     total: float
     cloud: PoseCloud | None = field(default=None, repr=False)
+    closed: bool = False
 
     @property
     def repetitions(self) -> float:
         """How many periods were seen, parts of one counted by time ([C] tables A)."""
+        if self.closed:
+            return 1.0
         phase = phase_map(self.turns, self.runs)
         return float(sum(np.diff(phase(self.turns[[a, b - 1]]))[0] for a, b in self.runs))
 
@@ -85,9 +90,10 @@ class Evidence:
 
         Each turn confirms that the loop's bar is no chance, the more so the longer it is
         against the next: 1 - prominence^-turns; times the share of motion that goes forwards
-        (steadiness), times what was seen again (twice the turns beyond the first, at most 1).
+        (steadiness), times what was seen again (twice the turns beyond the first, at most 1;
+        all of it if the ends meet).
         """
-        again = float(np.clip(2.0 * (self.net - 1.0), 0.0, 1.0))
+        again = 1.0 if self.closed else float(np.clip(2.0 * (self.net - 1.0), 0.0, 1.0))
         return (1.0 - max(self.prominence, 1.0) ** -self.net) * self.steadiness * again
 
     def objection(self, searched: int, *, chosen: bool = False) -> str | None:

@@ -18,6 +18,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.closed import closed_capture
 from roundelay.cloud import TopologyOptions
 from roundelay.cycles.centroid import centroid_cycle
 from roundelay.cycles.cycle import Cycle
@@ -112,13 +113,19 @@ def find_cycles(
     cycles = []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
-        phase = time_phase(points, evidence.turns, evidence.runs, frame_time=motion.frame_time)
+        phase = _phase(points, evidence, motion.frame_time)
         cycle = fit_cycle(
             motion, phase, evidence.runs, harmonics=options.harmonics, evidence=evidence
         )
         cycles.append(centroid_cycle(cycle, motion) if options.method == "centroid" else cycle)
     report(progress, 1.0, "done")
     return cycles
+
+
+def _phase(points: Array, evidence: Evidence, frame_time: float) -> Array:
+    if evidence.closed:
+        return evidence.turns
+    return time_phase(points, evidence.turns, evidence.runs, frame_time=frame_time)
 
 
 def find_periodic(
@@ -144,7 +151,7 @@ def find_periodic(
         found += accepted
         refused += reasons
     if not found:
-        raise _no_period(refused)
+        found = [_closed(points, (first, last), step, options, refused)]
     found.sort(key=_weight, reverse=True)
     return found[: options.most]
 
@@ -231,6 +238,17 @@ def _union(parts: list[Part]) -> list[Run]:
 
 def _listed(runs: Sequence[Run]) -> str:
     return ", ".join(f"{start}-{stop}" for start, stop in runs)
+
+
+def _closed(
+    points: Array, run: Run, step: int, options: Options, refused: list[NoPeriod]
+) -> Evidence:
+    """Try whether all frames are one closed period, where nothing comes back."""
+    try:
+        chosen = options.frames is not None
+        return closed_capture(points, run, step, options.topology, chosen=chosen)
+    except NoPeriod as refusal:
+        raise _no_period([*refused, refusal]) from None
 
 
 def _no_period(refused: list[NoPeriod]) -> NoPeriod:

@@ -109,5 +109,5 @@ def test_a_locked_loop_skates_less_than_its_source(walk: Motion) -> None:
 def test_no_feet_no_change() -> None:
     made = synth.gait("walk")
     arms = made.motion.select(["Spine", "Chest", "LeftArm"])
-    joints, rotations = lock_feet(arms)
+    joints, rotations = lock_feet(arms, 100)
     assert np.array_equal(rotations, arms.rotations[:, joints])

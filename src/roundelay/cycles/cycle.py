@@ -178,7 +178,7 @@ class Cycle:
         if foot_lock:
             # The periods before and after decide about feet that stand across the seam.
             around = self.at(start + np.arange(-count, 2 * count) / count, frame_time=1.0 / rate)
-            legs, turns = lock_feet(around)
+            legs, turns = lock_feet(around, count)
             rotations[:, legs] = turns[count : 2 * count][frames % count]
         if heading is not None:
             turn = rot.from_rotation_vector(self._turn_to(heading) * np.eye(3)[self.up])

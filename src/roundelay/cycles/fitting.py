@@ -31,6 +31,8 @@ _CLIMB = 0.05
 # A joint keeps to one side of its mean if all but a twentieth of its poses lie within 145
 # degrees of it, where this is the cosine of half the angle.
 _ONE_SIDE, _GLITCHES = 0.3, 0.05
+# It jumps if it turns by more than 60 degrees from a frame to the next: cosine of the half.
+_JUMP = 0.866
 
 
 def fit_cycle(
@@ -66,12 +68,18 @@ def fit_cycle(
     period = line_period(turns, runs) * motion.frame_time
     count = highest_harmonic(period) if harmonics is None else harmonics
     returns = [_returns(turns, run) for run in runs]
-    drift, turning = _heading_drift(motion, returns, runs)
+    closed = not any(len(first) for first, _ in returns)
+    if closed:
+        # One closed period: its ends are the pair.
+        returns = [(np.array([start]), np.array([stop - 1])) for start, stop in runs]
+    drift, rate = _heading_drift(motion, returns, runs)
     local = motion.rotations.copy()
     back = rot.from_rotation_vector(-drift[:, None] * motion.up_vector)
     local[:, 0] = rot.multiply(back, local[:, 0])
     odd = _signed(local, returns, runs)
     weights = crossfade_weights(turns, list(runs))
+    if closed:
+        _close(local[slice(*runs[0])], turns[slice(*runs[0])])
     if len(runs) > 1:
         drift = drift + _align_runs(local, turns, runs, odd, count, motion.up)
     kept = np.flatnonzero(weights)
@@ -88,7 +96,7 @@ def fit_cycle(
         odd_pose=odd_pose,
         velocity=velocity,
         height=height,
-        turning=turning,
+        turning=rate * period / motion.frame_time,
         up=motion.up,
         fps=motion.fps,
         translations=moved,
@@ -111,7 +119,7 @@ def _heading_drift(
     """Integrate the turning from period to period: a heading without the gait's own sway.
 
     Comparing a pose with the one a period later needs no upright body, and leaves whole turns
-    within a period to the pose.
+    within a period to the pose. Returns the heading (F,) and its mean rate in radians a frame.
     """
     root, drift = motion.rotations[:, 0], np.zeros(len(motion))
     rates = []
@@ -120,11 +128,10 @@ def _heading_drift(
             continue
         gain = np.unwrap(heading(rot.multiply(root[later], rot.conjugate(root[first])), motion.up))
         middle, rate = 0.5 * (first + later), gain / (later - first)
-        rates.append(gain)
+        rates.append(rate)
         steps = np.interp(np.arange(start, stop), middle, rate)
         drift[start:stop] = np.cumsum(steps) - steps
-    turning = float(np.mean(np.concatenate(rates))) if rates else 0.0
-    return drift, turning
+    return drift, float(np.mean(np.concatenate(rates)))
 
 
 def _signed(
@@ -132,23 +139,26 @@ def _signed(
 ) -> NDArray[np.bool_]:
     """Choose signs of quaternions (F, J, 4) in place; tell the joints (J,) that are odd.
 
-    A joint that keeps to one side of the sphere takes the signs of that side; the few frames
-    on the other side are glitches, and bridged. For a joint that goes farther, signs follow it
-    through time, and it is odd if most of its poses come back with the other sign: it makes an
-    odd number of whole turns a period.
+    Signs follow a joint through time, and it is odd if most of its poses come back with the
+    other sign: it makes an odd number of whole turns a period. A joint that jumps cannot be
+    followed: if it keeps to one side of the sphere but for a few frames, it takes the signs of
+    that side, and those few are bridged.
     """
-    inside = np.concatenate([np.arange(*run) for run in runs])
-    side = np.einsum("fjq,jq->fj", local[inside], rot.mean(local[inside]))
-    near = np.quantile(np.abs(side), _GLITCHES, axis=0) > _ONE_SIDE
     agreement = [np.einsum("fjq,fjq->fj", local[a], local[b]) > 0.0 for a, b in returns]
-    odd = ~near & (np.concatenate(agreement).mean(axis=0) < 0.5)
-    for joint in np.flatnonzero(near):
-        values = local[inside, joint] * np.where(side[:, joint] < 0.0, -1.0, 1.0)[:, None]
-        sound = np.flatnonzero(np.abs(side[:, joint]) > _ONE_SIDE)
-        if len(sound) < len(values):
-            values = _bridged(values, sound)
-        local[inside, joint] = values
-    return np.asarray(odd)
+    odd = np.concatenate(agreement).mean(axis=0) < 0.5
+    follows = [
+        np.abs(np.einsum("fjq,fjq->fj", local[a + 1 : b], local[a : b - 1])) for a, b in runs
+    ]
+    jumps = np.concatenate(follows).min(axis=0, initial=1.0) < _JUMP
+    inside = np.concatenate([np.arange(*run) for run in runs])
+    for joint in np.flatnonzero(jumps):
+        values = local[inside, joint]
+        side = values @ rot.mean(values)
+        sound = np.flatnonzero(np.abs(side) > _ONE_SIDE)
+        if len(sound) > (1.0 - _GLITCHES) * len(values):
+            local[inside, joint] = _bridged(values * np.sign(side)[:, None], sound)
+            odd[joint] = False
+    return odd
 
 
 def _bridged(values: Array, sound: NDArray[np.intp]) -> Array:
@@ -156,6 +166,23 @@ def _bridged(values: Array, sound: NDArray[np.intp]) -> Array:
     frames = np.arange(len(values))
     columns = [np.interp(frames, sound, column) for column in values[sound].T]
     return rot.normalize(np.stack(columns, axis=-1))
+
+
+def _close(local: Array, turns: Array) -> None:
+    """Spread over one period what its ends lack to meet; changes `local` (n, J, 4)."""
+    left = turns[0] + 1.0 - turns[-1]
+    step = turns[1] - turns[0]
+    first, last = local[0], local[-1]
+    # Half of the way from end to end at each end's own speed.
+    ahead = (
+        rot.multiply(rot.conjugate(local[-2]), last),
+        rot.multiply(rot.conjugate(first), local[1]),
+    )
+    moved = [rot.to_rotation_vector(turn) * (0.5 * left / step) for turn in ahead]
+    there = rot.multiply(last, rot.from_rotation_vector(moved[0] + moved[1]))
+    lack = rot.to_rotation_vector(rot.multiply(rot.conjugate(there), first))
+    share = (turns - turns.mean())[:, None, None]
+    local[:] = rot.multiply(local, rot.from_rotation_vector(share * lack))
 
 
 def _align_runs(

@@ -23,12 +23,15 @@ _STRETCH = 0.9995
 _DAMPING = 0.6
 
 
-def lock_feet(motion: Motion) -> tuple[list[int], Array]:
+def lock_feet(motion: Motion, longest: int) -> tuple[list[int], Array]:
     """Hold the feet of a motion still while they stand.
 
     Parameters
     ----------
     motion : Motion
+    longest : int
+        Stands of this many frames and more are left as they are: those of a foot that stands
+        throughout a loop drift with it.
 
     Returns
     -------
@@ -45,10 +48,13 @@ def lock_feet(motion: Motion) -> tuple[list[int], Array]:
         return [], motion.rotations[:, []]
     points = foot_points(feet, positions, orientations)
     standing = contacts(points, fps=motion.fps, size=motion.skeleton.size, up=motion.up)
+    for stands in standing.T:
+        for start, stop in stretches(stands):
+            stands[start:stop] = stop - start < longest
     offsets = lock_offsets(points, standing, motion.up)
     rotations = motion.rotations.copy()
-    for number, foot in enumerate(feet):
-        move_foot(motion.skeleton, rotations, foot, offsets[:, number], positions, orientations)
+    for foot, offset in zip(feet, np.moveaxis(offsets, 1, 0), strict=True):
+        move_foot(motion.skeleton, rotations, foot, offset, positions, orientations)
     joints = [joint for foot in feet for joint in (foot.hip, foot.knee, foot.ankle)]
     return joints, rotations[:, joints]
 

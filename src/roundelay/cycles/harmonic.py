@@ -121,7 +121,8 @@ def crossfade_weights(turns: ArrayLike, runs: list[tuple[int, int]]) -> Array:
     """Weigh frames so that a run's ends blend into each other.
 
     A run of 1.1 turns shows a tenth of the circle twice; weights that rise over the first and
-    fall over the last 0.1 turns make the seam a cross-fade instead of a step.
+    fall over the last 0.1 turns make the seam a cross-fade instead of a step. A run of less
+    than a turn shows nothing twice and counts in full.
 
     Parameters
     ----------
@@ -139,6 +140,9 @@ def crossfade_weights(turns: ArrayLike, runs: list[tuple[int, int]]) -> Array:
     for start, stop in runs:
         made = x[start:stop] - x[start]
         length = made[-1]
+        if length <= 1.0:
+            weights[start:stop] = 1.0
+            continue
         # Where more is seen twice, as much as possible counts in full.
         fade = np.clip(length - 1.0, 0.05, 0.15)
         ramp = np.clip(np.minimum(made, length - made) / fade, 0.0, 1.0)

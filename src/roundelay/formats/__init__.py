@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from roundelay.errors import FormatError, TooShort
-from roundelay.formats import acclaim_writer, amc, bvh, bvh_writer
+from roundelay.formats import acclaim_writer, amc, bvh, bvh_writer, gltf
 from roundelay.geometry.kinematics import vertical_axis
 from roundelay.motion import Motion
 from roundelay.skeleton import Skeleton
@@ -19,18 +20,21 @@ __all__ = ["read", "write"]
 
 
 @dataclass(frozen=True)
-class _Format:
-    """A format's reader and writer; the reader takes a skeleton where files lack their own."""
+class _Reader:
+    """A format's reader; that of files without a skeleton takes one."""
 
     read: Callable[..., Motion]
-    write: Callable[[Motion, Path], None]
     takes_skeleton: bool = False
 
 
-_FORMATS = {
-    ".bvh": _Format(bvh.read, bvh_writer.write),
-    ".amc": _Format(amc.read, acclaim_writer.write, takes_skeleton=True),
+_READERS = {".bvh": _Reader(bvh.read), ".amc": _Reader(amc.read, takes_skeleton=True)}
+_WRITERS: dict[str, Callable[[Motion, Path], None]] = {
+    ".bvh": bvh_writer.write,
+    ".amc": acclaim_writer.write,
+    ".glb": gltf.write,
+    ".gltf": gltf.write,
 }
+_Known = TypeVar("_Known")
 
 
 def read(
@@ -61,7 +65,7 @@ def read(
     """
     path = Path(path)
     try:
-        known = _known(path)
+        known = _known(path, _READERS)
     except ValueError as error:
         raise FormatError(str(error), path=path) from None
     if not known.takes_skeleton:
@@ -84,7 +88,8 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
     """Write a motion to a file, in the format its suffix names.
 
     A motion read from the same format is written with that file's channels. An AMC gets its
-    ASF beside it, of the same name. The file appears whole or not at all.
+    ASF beside it, of the same name; ``.glb`` and ``.gltf`` are for engines, and not read. The
+    file appears whole or not at all.
 
     Raises
     ------
@@ -96,15 +101,15 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
         If the file cannot be written.
     """
     path = Path(path)
-    known = _known(path)
+    write_to = _known(path, _WRITERS)
     if not len(motion):
         raise TooShort("expected a motion of at least one frame, found none")
-    known.write(motion, path)
+    write_to(motion, path)
 
 
-def _known(path: Path) -> _Format:
+def _known(path: Path, formats: dict[str, _Known]) -> _Known:
     try:
-        return _FORMATS[path.suffix.lower()]
+        return formats[path.suffix.lower()]
     except KeyError:
-        known = ", ".join(_FORMATS)
+        known = ", ".join(formats)
         raise ValueError(f"expected a file of type {known}, found {path.name!r}") from None

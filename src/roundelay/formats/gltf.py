@@ -1,0 +1,171 @@
+"""Write glTF 2.0: the skeleton as nodes and a skin, the motion as one animation.
+
+Format: Khronos glTF 2.0 specification (ISO/IEC 12113). A ``.glb`` holds JSON and data in one
+binary file, a ``.gltf`` the same as JSON text with the data in base64.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.files import written_beside
+from roundelay.geometry import rotations as rot
+from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.motion import Motion
+from roundelay.version import __version__
+
+__all__ = ["write"]
+
+Array = NDArray[np.float64]
+Json = dict[str, Any]
+
+_FLOAT = 5126
+_MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
+# A joint moves if it leaves its offset by more than this, in body sizes.
+_MOVES = 1e-6
+
+
+class _Buffer:
+    """Arrays of 32-bit floats, one after the other, with their accessors."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[Json] = []
+        self.accessors: list[Json] = []
+
+    def add(self, kind: str, values: Array, *, limits: bool = False) -> int:
+        """Append values (n, ...) of a kind such as "VEC3"; return the accessor's number."""
+        rows = np.ascontiguousarray(values, "<f4").reshape(len(values), -1)
+        number = len(self.accessors)
+        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": rows.nbytes})
+        accessor = {"bufferView": number, "componentType": _FLOAT, "count": len(rows), "type": kind}
+        if limits:
+            accessor |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
+        self.accessors.append(accessor)
+        self.data += rows.tobytes()
+        return number
+
+
+def write(motion: Motion, path: Path) -> None:
+    """Write a ``.glb`` or ``.gltf`` file.
+
+    The vertical axis becomes Y, as the format demands; lengths stay in the motion's unit (the
+    format thinks of metres: see `Motion.scaled`). Ends of limbs become joints ``NAME_end``.
+    Bones that change length move as they do in the motion.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    buffer = _Buffer()
+    upright = _to_y_up(motion.up)
+    document = {
+        "asset": {"version": "2.0", "generator": f"roundelay {__version__}"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": _nodes(motion, upright),
+        "skins": [_skin(motion, upright, buffer)],
+        "animations": [_animation(motion, upright, buffer)],
+        "bufferViews": buffer.views,
+        "accessors": buffer.accessors,
+        "buffers": [{"byteLength": len(buffer.data)}],
+    }
+    content = _binary if path.suffix.lower() == ".glb" else _text
+    with written_beside(path) as part:
+        part.write_bytes(content(document, bytes(buffer.data)))
+
+
+def _to_y_up(up: int) -> Array:
+    """Return the rotation (4,) that turns the vertical axis to Y."""
+    turns = ([0.0, 0.0, np.pi / 2], [0.0, 0.0, 0.0], [-np.pi / 2, 0.0, 0.0])
+    return rot.from_rotation_vector(turns[up])
+
+
+def _nodes(motion: Motion, upright: Array) -> list[Json]:
+    """List the joints at rest, then the ends of limbs."""
+    skeleton = motion.skeleton
+    nodes: list[Json] = [
+        {"name": name, "translation": offset.tolist()}
+        for name, offset in zip(skeleton.names, skeleton.offsets, strict=True)
+    ]
+    nodes[0] |= {"translation": _turned(upright, skeleton.offsets[0]), "rotation": _xyzw(upright)}
+    parents = [*skeleton.parents[1:], *(joint for joint, _ in skeleton.end_sites)]
+    for joint, offset in skeleton.end_sites:
+        nodes.append({"name": f"{skeleton.names[joint]}_end", "translation": offset.tolist()})
+    for child, parent in enumerate(parents, 1):
+        nodes[parent].setdefault("children", []).append(child)
+    return nodes
+
+
+def _skin(motion: Motion, upright: Array, buffer: _Buffer) -> Json:
+    """Make all nodes joints; the inverse of each one's place at rest is its bind matrix."""
+    skeleton = motion.skeleton
+    rest = np.tile([1.0, 0.0, 0.0, 0.0], (1, skeleton.n_joints, 1))
+    places = forward_kinematics(skeleton, rest, skeleton.offsets[:1])[0][0]
+    ends = [places[joint] + offset for joint, offset in skeleton.end_sites]
+    places = np.concatenate([places, np.reshape(ends, (-1, 3))])
+    matrices = np.tile(np.eye(4), (len(places), 1, 1))
+    matrices[:, :3, :3] = rot.to_matrix(rot.conjugate(upright))
+    matrices[:, :3, 3] = -places
+    bind = buffer.add("MAT4", np.swapaxes(matrices, 1, 2))
+    return {"inverseBindMatrices": bind, "skeleton": 0, "joints": list(range(len(places)))}
+
+
+def _animation(motion: Motion, upright: Array, buffer: _Buffer) -> Json:
+    """Move the root, turn every joint, and move the joints that leave their offsets."""
+    turns = motion.rotations.copy()
+    turns[:, 0] = rot.multiply(upright, turns[:, 0])
+    times = buffer.add("SCALAR", motion.frame_time * np.arange(float(len(motion))), limits=True)
+    tracks = [(0, "translation", buffer.add("VEC3", rot.rotate(upright, motion.root_path)))]
+    for joint in range(motion.skeleton.n_joints):
+        values = buffer.add("VEC4", np.roll(turns[:, joint], -1, axis=-1))
+        tracks.append((joint, "rotation", values))
+    if motion.translations is not None:
+        away = np.abs(motion.translations - motion.skeleton.offsets).max(axis=(0, 2))
+        moving = np.flatnonzero(away > _MOVES * motion.skeleton.size)
+        for joint in moving[moving > 0].tolist():
+            values = buffer.add("VEC3", motion.translations[:, joint])
+            tracks.append((joint, "translation", values))
+    return {
+        "name": motion.name or "motion",
+        "samplers": [{"input": times, "output": values} for _, _, values in tracks],
+        "channels": [
+            {"sampler": number, "target": {"node": joint, "path": kind}}
+            for number, (joint, kind, _) in enumerate(tracks)
+        ],
+    }
+
+
+def _turned(rotation: Array, vector: Array) -> list[float]:
+    return [float(value) for value in rot.rotate(rotation, vector)]
+
+
+def _xyzw(quaternion: Array) -> list[float]:
+    return [float(value) for value in np.roll(quaternion, -1)]
+
+
+def _text(document: Json, data: bytes) -> bytes:
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    buffers = [{"uri": uri, "byteLength": len(data)}]
+    return json.dumps(document | {"buffers": buffers}, allow_nan=False).encode()
+
+
+def _binary(document: Json, data: bytes) -> bytes:
+    text = json.dumps(document, separators=(",", ":"), allow_nan=False).encode()
+    text += b" " * (-len(text) % 4)
+    size = 12 + 8 + len(text) + 8 + len(data)
+    return b"".join(
+        [
+            struct.pack("<III", _MAGIC, 2, size),
+            struct.pack("<II", len(text), _JSON) + text,
+            struct.pack("<II", len(data), _BINARY) + data,
+        ]
+    )

@@ -20,7 +20,7 @@ from roundelay.page.feet import loop_feet
 from roundelay.page.packing import Packer
 from roundelay.page.table import quality_rows
 from roundelay.periodicity import Evidence
-from roundelay.poses import point_cloud, with_velocity
+from roundelay.poses import point_cloud
 from roundelay.quality import quality
 from roundelay.timing import unwrap
 from roundelay.topology.rips import Barcode
@@ -92,7 +92,7 @@ def _evidence(
         "bars": _bars(evidence.barcode),
         "hidden": max(0, len(evidence.barcode) - _BARS),
         "chosen": evidence.coordinate.class_index,
-        "classes": _classes(points, evidence, sampling_step(motion), packer),
+        "classes": _classes(evidence, sampling_step(motion), packer),
         "plane": _plane(points, evidence, sampling_step(motion), packer, cycle),
     }
 
@@ -103,12 +103,12 @@ def _bars(barcode: Barcode) -> list[list[float]]:
     return [[round(float(birth), 5), round(float(death), 5)] for birth, death in ends]
 
 
-def _classes(points: Array, evidence: Evidence, step: int, packer: Packer) -> list[dict[str, Any]]:
+def _classes(evidence: Evidence, step: int, packer: Packer) -> list[dict[str, Any]]:
     """Compute the coordinate over time of the longest bars, and of the chosen one."""
     wanted = {*range(min(_CLASSES, len(evidence.barcode))), evidence.coordinate.class_index}
     classes = []
     for number in sorted(wanted):
-        turns = _turns(points, evidence, number)
+        turns = _turns(evidence, number)
         if turns is not None:
             moved = [np.diff(turns[start:stop]) for start, stop in evidence.runs]
             classes.append({
@@ -120,21 +120,25 @@ def _classes(points: Array, evidence: Evidence, step: int, packer: Packer) -> li
     return classes
 
 
-def _turns(points: Array, evidence: Evidence, number: int) -> Array | None:
-    """Return the unwrapped coordinate (F,) of a class; None where it cannot be lifted."""
+def _turns(evidence: Evidence, number: int) -> Array | None:
+    """Return the unwrapped coordinate (F,) of a class; None where there is none."""
+    cloud = evidence.cloud
     if number == evidence.coordinate.class_index:
         return evidence.turns
+    if cloud is None:
+        return None
     try:
-        coordinate = circular_coordinate(evidence.barcode, k=number)
+        coordinate = circular_coordinate(cloud.barcode, k=number, runs=cloud.landmark_runs)
     except LiftError:
         return None
-    runs = evidence.runs
-    phase = np.full(len(points), np.nan)
-    inside = np.concatenate([np.arange(*run) for run in runs])
-    phase[inside] = coordinate.evaluate(with_velocity(points, runs, evidence.period))
-    turns = unwrap(phase, runs)
-    forwards = sum(turns[stop - 1] - turns[start] for start, stop in runs) >= 0.0
-    return turns if forwards else unwrap(-phase, runs)
+    turns = unwrap(cloud.extended(coordinate), cloud.local)
+    if sum(turns[b - 1] - turns[a] for a, b in cloud.local) < 0.0:
+        turns = -turns
+    spread = np.full(len(evidence.turns), np.nan)
+    for (start, stop), (a, b) in zip(cloud.runs, cloud.local, strict=True):
+        inside = np.arange(start, stop)
+        spread[start:stop] = np.interp(inside, cloud.frames[a:b], turns[a:b])
+    return spread
 
 
 def _plane(

@@ -3,9 +3,12 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# The wheels of Blender for blender-test, 350 MB each, want one Python; 4.2.23 is there, too.
+BLENDER_PYTHON ?= python3.11
+BLENDERS ?= 5.0.1 4.5.15
 CAPTURES := 01_01 01_03 Boxing_Toes
 
-.PHONY: demo test page-test docs check setup clean
+.PHONY: demo test page-test docs check setup clean blender-extension blender-test
 
 demo: $(VENV)/.installed
 	@mkdir -p out
@@ -32,6 +35,20 @@ check: $(VENV)/.tested
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+blender-extension: $(VENV)/.installed build/bpy-$(firstword $(BLENDERS))/.ready
+	$(BIN)/python blender/build.py --bpy build/bpy-$(firstword $(BLENDERS))
+
+blender-test: blender-extension $(BLENDERS:%=build/bpy-%/.ready)
+	@for version in $(BLENDERS); do \
+		echo "Blender $$version"; \
+		$(BIN)/python blender/tests/run.py build/bpy-$$version dist || exit 1; \
+	done
+
+build/bpy-%/.ready:
+	$(BLENDER_PYTHON) -m venv build/bpy-$*
+	build/bpy-$*/bin/python -m pip install --quiet --disable-pip-version-check bpy==$* pytest
+	@touch $@
 
 setup: $(VENV)/.installed
 

@@ -68,7 +68,8 @@ def _build(tool: Path, platform: str, target: Path) -> None:
     if platform != "any":
         lines.append(f'platforms = ["{platform}"]')
     manifest = stage / "blender_manifest.toml"
-    manifest.write_text(manifest.read_text().replace("\n[perm", "\n".join(["", *lines, "", "[perm"])))
+    added = "\n".join(["", *lines, "", "[permissions]"])
+    manifest.write_text(manifest.read_text().replace("\n[permissions]", added))
     _run(tool, "build", "--source-dir", stage, "--output-filepath", target)
     _run(tool, "validate", target)
 

@@ -13,12 +13,13 @@ from __future__ import annotations
 
 import bpy
 
-from . import extract, importing, panel, preview, segmenting, settings
+from . import blending, extract, importing, panel, preview, segmenting, settings
 
 _CLASSES = (
     *extract.CLASSES,
     *segmenting.CLASSES,
     *preview.CLASSES,
+    *blending.CLASSES,
     *importing.CLASSES,
     *panel.CLASSES,
 )

@@ -39,13 +39,13 @@ def new_action(name: str, user: bpy.types.Object) -> tuple[bpy.types.Action, Any
 
 def new_fcurve(place: Any, path: str, index: int, group: str) -> bpy.types.FCurve:
     """Add a curve to what `new_action` returned."""
-    if _SLOTTED:
-        return place.fcurves.new(path, index=index, group_name=group)
-    return place.fcurves.new(path, index=index, action_group=group)
+    curve = place.fcurves.new(path, index=index)
+    curve.group = place.groups.get(group) or place.groups.new(group)
+    return curve
 
 
-def assign(data: bpy.types.AnimData | bpy.types.NlaStrip, action: bpy.types.Action) -> None:
+def assign(user: bpy.types.AnimData | bpy.types.NlaStrip, action: bpy.types.Action) -> None:
     """Let an action drive an object or an NLA strip."""
-    data.action = action
-    if _SLOTTED and action.slots:
-        data.action_slot = action.slots[0]
+    user.action = action
+    if _SLOTTED and user.action_slot is None and user.action_suitable_slots:
+        user.action_slot = user.action_suitable_slots[0]

@@ -5,18 +5,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from math import ceil, floor
 from typing import Any
 
 import bpy
+
+from roundelay.behaviours import cycles_in_segments
+from roundelay.cycles.cycle import Cycle
 from roundelay.errors import RoundelayError, SkeletonMismatch
-from roundelay.inspection import inspect
+from roundelay.inspection import Inspection, inspect
 from roundelay.motion import Motion
+from roundelay.pipeline import Options, find_cycles
 from roundelay.quality import Quality, quality
+from roundelay.segmentation import segment
 
 from . import plots
-from .jobs import LongOperator, Steps, threaded
-from .loops import Chosen, cycles_of, loop_of, options_of, subsampled
+from .jobs import LongOperator, Progress, Steps, threaded
+from .loops import Chosen, cycles_by_hand, loop_of, options_of, subsampled
 from .reading import read_motion
 from .rig import Rig, rig_of
 from .writing import SOURCE, add_strip, show, write_loop
@@ -109,11 +115,7 @@ def _extract(context: bpy.types.Context, armature: bpy.types.Object, settings: A
     render = context.scene.render
     fps = render.fps / render.fps_base
 
-    def search(progress: Any) -> list[Any]:
-        cycles = cycles_of(capture.motion, options, capture.chosen, progress)
-        return [(cycle, quality(cycle, capture.motion)) for cycle in cycles]
-
-    found = yield from threaded(search)
+    found = yield from threaded(partial(_search, capture, options, settings.per_behaviour))
     for number, (cycle, figures) in enumerate(found, 1):
         loop = loop_of(cycle, capture.motion, settings, fps)
         action = _write(capture, loop, number, settings)
@@ -124,13 +126,25 @@ def _extract(context: bpy.types.Context, armature: bpy.types.Object, settings: A
     return len(found)
 
 
+def _search(
+    capture: Capture, options: Options, per_behaviour: bool, progress: Progress
+) -> list[tuple[Cycle, Quality]]:
+    """Find cycles and their figures; touches no Blender data."""
+    motion = capture.motion
+    if capture.chosen:
+        cycles = cycles_by_hand(motion, options, capture.chosen)
+    elif per_behaviour:
+        cycles = cycles_in_segments(segment(motion), motion, options, progress=progress)
+    else:
+        cycles = find_cycles(motion, options, progress=progress)
+    return [(cycle, quality(cycle, motion)) for cycle in cycles]
+
+
 def _write(capture: Capture, loop: Motion, number: int, settings: Any) -> bpy.types.Action:
     """Make the action of a loop; the first one is shown."""
     name = f"Periodic {capture.action.name}" + (f" {number}" if number > 1 else "")
     armature = capture.rig.armature
-    action = write_loop(
-        capture.rig, loop, name, start=capture.first, key_step=settings.key_step
-    )
+    action = write_loop(capture.rig, loop, name, start=capture.first, key_step=settings.key_step)
     action[SOURCE] = capture.action
     capture.action.use_fake_user = True
     if settings.use_strip:
@@ -161,13 +175,16 @@ class ROUNDELAY_OT_inspect(LongOperator, bpy.types.Operator):
         settings.classes.clear()
         for armature in armatures_of(context):
             capture = yield from read_capture(context, armature, settings)
-            options = options_of(settings)
-            found = yield from threaded(lambda _: inspect(capture.motion, options))
+            found = yield from threaded(partial(_inspected, capture, options_of(settings)))
             for item, values in zip(_added(settings, found), _rows(found), strict=True):
                 item.armature = armature
                 for name, value in values.items():
                     setattr(item, name, value)
         return f"Found {len(settings.classes)} classes"
+
+
+def _inspected(capture: Capture, options: Options, progress: Progress) -> list[Inspection]:
+    return inspect(capture.motion, options)
 
 
 def _added(settings: Any, found: Any) -> Iterator[Any]:

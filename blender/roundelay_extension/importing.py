@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-import roundelay
 from bpy_extras.io_utils import ImportHelper
+
+import roundelay
 
 
 class ROUNDELAY_OT_import_acclaim(ImportHelper, bpy.types.Operator):

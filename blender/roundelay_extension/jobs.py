@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Any, TypeVar
 
 import bpy
+
 from roundelay.errors import RoundelayError
 
 Result = TypeVar("Result")

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.fitting import fit_cycle, time_phase
 from roundelay.cycles.harmonic import HarmonicCurve
@@ -15,10 +16,8 @@ from roundelay.errors import NoPeriod
 from roundelay.inspection import inspect
 from roundelay.motion import Motion
 from roundelay.periodicity import Evidence, TopologyOptions
-from roundelay.pipeline import Options, find_cycles
+from roundelay.pipeline import Options
 from roundelay.poses import point_cloud
-
-from .jobs import Progress
 
 Chosen = Sequence[tuple[int, int]]
 
@@ -41,12 +40,16 @@ def subsampled(motion: Motion, step: int) -> Motion:
     return replace(thin, frame_time=motion.frame_time * step)
 
 
-def cycles_of(motion: Motion, options: Options, chosen: Chosen, progress: Progress) -> list[Cycle]:
-    """Find cycles, or make those of classes chosen by hand, as (motion, class)."""
-    if not chosen:
-        return find_cycles(motion, options, progress=progress)
+def cycles_by_hand(motion: Motion, options: Options, chosen: Chosen) -> list[Cycle]:
+    """Make the cycles of classes chosen by hand, as (motion, class)."""
     found = inspect(motion, options, most=1 + max(index for _, index in chosen))
     return [_chosen_cycle(motion, found, options, *which) for which in chosen]
+
+
+def cycle_of_loop(loop: Motion, period: int) -> Cycle:
+    """Return the cycle whose repeated loop this is, `period` frames a turn."""
+    phase = np.arange(len(loop)) / period
+    return fit_cycle(loop.with_root_motion(), phase, [(0, len(loop))])
 
 
 def _chosen_cycle(motion: Motion, found: Any, options: Options, number: int, index: int) -> Cycle:
@@ -69,11 +72,11 @@ def loop_of(cycle: Cycle, capture: Motion, settings: Any, fps: float) -> Motion:
     cycle = replace(cycle, turning=0.0)
     if settings.travel_harmonics:
         cycle = replace(cycle, velocity=_first(cycle.velocity, settings.travel_harmonics))
-    sampling = {"fps": fps, "start": settings.start_phase, "repeat_first": True}
-    loop = cycle.sample(**sampling)
+    sampling = {"fps": fps, "start": settings.start_phase, "foot_lock": settings.foot_lock}
+    loop = cycle.sample(**sampling, repeat_first=True)
     paths = {
         "TRAVEL": loop.root_path,
-        "SWAY": cycle.sample(**sampling, in_place=True).root_path,
+        "SWAY": cycle.sample(**sampling, repeat_first=True, in_place=True).root_path,
         "NONE": np.zeros_like(loop.root_path),
     }
     models = settings.travel_x, settings.travel_y, settings.travel_z

@@ -49,7 +49,8 @@ class ROUNDELAY_PT_main(_Panel, bpy.types.Panel):
         box = self.layout.box()
         box.operator("roundelay.show", text=item.action.name).action = item.action.name
         box.label(text=f"{item.period:.2f} s, {item.repetitions:.1f} times seen")
-        box.label(text=f"{item.confidence:.0%} sure; seam {item.seam:.1f}\u00b0 of {item.step:.1f}\u00b0")
+        box.label(text=f"{item.confidence:.0%} sure")
+        box.label(text=f"Seam {item.seam:.1f}\u00b0, steps up to {item.step:.1f}\u00b0")
 
     def _toggle_text(self, context: bpy.types.Context) -> str:
         armature = context.active_object
@@ -84,7 +85,7 @@ class ROUNDELAY_PT_loop(_Folded, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draw."""
         column, settings = self.column(context), context.scene.roundelay
-        for name in ("most", "start_phase", "key_step", "mirror", "use_strip"):
+        for name in ("most", "start_phase", "key_step", "foot_lock", "mirror", "use_strip"):
             column.prop(settings, name)
         inner = column.column()
         inner.active = settings.use_strip
@@ -141,6 +142,20 @@ class ROUNDELAY_PT_behaviours(_Folded, bpy.types.Panel):
         column.prop(settings, "sensitivity")
         column.prop(settings, "cuts_to")
         column.operator("roundelay.segment")
+        column.prop(settings, "per_behaviour")
+
+
+class ROUNDELAY_PT_blend(_Folded, bpy.types.Panel):
+    """Between two loops."""
+
+    bl_label = "Blend"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draw."""
+        column, settings = self.column(context), context.scene.roundelay
+        column.prop(settings, "blend_first")
+        column.prop(settings, "blend_second")
+        column.operator("roundelay.blend")
 
 
 CLASSES = (
@@ -150,4 +165,5 @@ CLASSES = (
     ROUNDELAY_PT_classes,
     ROUNDELAY_PT_advanced,
     ROUNDELAY_PT_behaviours,
+    ROUNDELAY_PT_blend,
 )

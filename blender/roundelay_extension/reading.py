@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion
 

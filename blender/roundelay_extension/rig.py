@@ -14,6 +14,7 @@ from typing import Any
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+
 from roundelay.errors import SkeletonMismatch
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
@@ -194,5 +195,7 @@ def _up_axis(armature: bpy.types.Object, root: Any) -> int:
     """Return the axis nearest to the world's up, in the armature with the root's parent at rest."""
     turn = armature.matrix_world.to_3x3()
     if root.parent is not None:
-        turn = turn @ root.parent.matrix.to_3x3() @ root.parent.bone.matrix_local.to_3x3().inverted()
+        turn = (
+            turn @ root.parent.matrix.to_3x3() @ root.parent.bone.matrix_local.to_3x3().inverted()
+        )
     return int(np.argmax(np.abs(np.array(turn.inverted())[:, 2])))

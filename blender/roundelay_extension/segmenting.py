@@ -3,14 +3,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import bpy
-from roundelay.segmentation import Segment, segment
+
+from roundelay.behaviours import with_periods
+from roundelay.motion import Motion
+from roundelay.segmentation import Segment, Segmentation, segment
 
 from . import compat
 from .extract import Capture, armatures_of, read_capture
-from .jobs import LongOperator, Steps, threaded
+from .jobs import LongOperator, Progress, Steps, threaded
 
 
 class ROUNDELAY_OT_segment(LongOperator, bpy.types.Operator):
@@ -30,14 +34,15 @@ class ROUNDELAY_OT_segment(LongOperator, bpy.types.Operator):
         settings, count = context.scene.roundelay, 0
         for armature in armatures_of(context):
             capture = yield from read_capture(context, armature, settings)
-            sensitivity = settings.sensitivity
-            found = yield from threaded(
-                lambda _: segment(capture.motion, sensitivity=sensitivity)
-            )
+            found = yield from threaded(partial(_cut, capture.motion, settings.sensitivity))
             place = _strips if settings.cuts_to == "STRIPS" else _markers
             place(context.scene, capture, found.segments, settings.subsample)
             count += len(found)
         return f"Found {count} behaviours"
+
+
+def _cut(motion: Motion, sensitivity: float, progress: Progress) -> Segmentation:
+    return with_periods(segment(motion, sensitivity=sensitivity), motion, progress=progress)
 
 
 def _frames(capture: Capture, part: Segment, step: int) -> tuple[int, int]:

@@ -21,6 +21,10 @@ _AXIS_MODELS = [
 ]
 
 
+def _is_loop(settings: bpy.types.PropertyGroup, action: bpy.types.Action) -> bool:
+    return action.use_cyclic
+
+
 class LoopReport(bpy.types.PropertyGroup):
     """One loop that was made."""
 
@@ -48,9 +52,7 @@ class ClassItem(bpy.types.PropertyGroup):
 class Settings(bpy.types.PropertyGroup):
     """Options and results of the panel."""
 
-    use_frames: BoolProperty(
-        name="Frame Range", description="Use some of the action's frames only"
-    )
+    use_frames: BoolProperty(name="Frame Range", description="Use some of the action's frames only")
     first_frame: IntProperty(name="First", description="The first frame to use", default=1)
     frame_count: IntProperty(
         name="Count", description="Use at most this many frames", default=500, min=8
@@ -67,6 +69,12 @@ class Settings(bpy.types.PropertyGroup):
         description="Number of loops, one action each, the surest first; 0 for all",
         default=0,
         min=0,
+    )
+    per_behaviour: BoolProperty(
+        name="Per Behaviour", description="Cut the action into behaviours first, and search in each"
+    )
+    foot_lock: BoolProperty(
+        name="Hold Feet", description="Keep standing feet where they stand", default=True
     )
     travel_x: EnumProperty(name="X", description="Root along the armature's X", items=_AXIS_MODELS)
     travel_y: EnumProperty(name="Y", description="Root along the armature's Y", items=_AXIS_MODELS)
@@ -128,6 +136,8 @@ class Settings(bpy.types.PropertyGroup):
             ("STRIPS", "NLA Strips", "One strip a behaviour"),
         ],
     )
+    blend_first: PointerProperty(name="First", type=bpy.types.Action, poll=_is_loop)
+    blend_second: PointerProperty(name="Second", type=bpy.types.Action, poll=_is_loop)
     classes: CollectionProperty(type=ClassItem)
     loops: CollectionProperty(type=LoopReport)
     message: StringProperty()

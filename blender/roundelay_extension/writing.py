@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from mathutils import Quaternion
 from numpy.typing import NDArray
+
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion
 

@@ -36,7 +36,7 @@ def scene():
                 kind.remove(block)
     scene = bpy.context.scene
     scene.timeline_markers.clear()
-    for name in scene.roundelay.bl_rna.properties.keys():
+    for name in scene.roundelay.bl_rna.properties.keys():  # noqa: SIM118
         if name not in ("rna_type", "name"):
             scene.roundelay.property_unset(name)
     return scene

@@ -6,6 +6,7 @@ import time
 import bpy
 import numpy as np
 import pytest
+
 import roundelay
 from conftest import CAPTURES, import_capture
 from inside import curves_of, extract, keys_of, pose_at
@@ -56,8 +57,10 @@ def test_the_seam_does_not_show(jumps):
     moved = pose_at(jumps, start + 1)
     moved[:, :3, 3] += travel
     assert np.allclose(after, moved, atol=1e-3)
-    steps = [np.abs(np.diff([pose_at(jumps, f)[:, :3, 3] for f in (a, a + 1)], axis=0)).max()
-             for a in range(start, end, 7)]
+    steps = [
+        np.abs(np.diff([pose_at(jumps, f)[:, :3, 3] for f in (a, a + 1)], axis=0)).max()
+        for a in range(start, end, 7)
+    ]
     assert np.abs(first - before)[:, :3, 3].max() < 1.5 * max(steps)
 
 
@@ -93,24 +96,6 @@ def test_any_rotation_mode_gives_the_same_loop(mode):
     assert span(extract()) == (start, end)
     for frame, pose in zip(range(start, end, 10), poses, strict=True):
         assert np.allclose(limbs(other, frame), pose, atol=0.02)
-
-
-def test_axis_angle(jumps):
-    euler = [limbs(jumps, 300), limbs(jumps, 400)]
-    extension_curves = curves_of(jumps)
-    assert extension_curves
-    for bone in jumps.pose.bones:
-        bone.rotation_mode = "AXIS_ANGLE"
-    action = extract_or_none()
-    assert action is None, "no curve of the axis-angle channels, so nothing is animated but the root"
-    assert euler
-
-
-def extract_or_none():
-    try:
-        return extract()
-    except RuntimeError:
-        return None
 
 
 def test_scaled_and_turned_armatures(jumps):
@@ -164,7 +149,9 @@ def test_fewer_keys_keep_the_motion(jumps):
 
 
 def test_selected_bones_only_in_pose_mode(jumps):
-    arm = [b.name for b in jumps.pose.bones if b.name.startswith(("Left", "lShldr", "lHand", "lFore"))]
+    arm = [
+        b.name for b in jumps.pose.bones if b.name.startswith(("Left", "lShldr", "lHand", "lFore"))
+    ]
     arm = [n for n in arm if "Leg" not in n and "Foot" not in n and "Toe" not in n] or arm
     bpy.ops.object.mode_set(mode="POSE")
     choose(jumps, arm)
@@ -213,15 +200,14 @@ def test_an_armature_without_action(jumps):
 
 
 def test_frames_and_subsampling(jumps):
-    full = extract()
-    bpy.ops.roundelay.toggle()
     settings = bpy.context.scene.roundelay
     settings.use_frames, settings.first_frame, settings.frame_count = True, 60, 700
+    all_frames = extract()
+    assert all_frames.frame_start == 60
+    bpy.ops.roundelay.toggle()
     settings.subsample = 3
-    action = extract()
-    assert action.frame_start == 60
-    lengths = [b - a for a, b in (span(full), span(action))]
-    assert lengths[1] == pytest.approx(lengths[0], rel=0.05)
+    lengths = [b - a for a, b in (span(all_frames), span(extract()))]
+    assert lengths[1] == pytest.approx(lengths[0], abs=2)
 
 
 def test_constraints_are_played(jumps):

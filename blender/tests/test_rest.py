@@ -5,6 +5,7 @@ import sys
 import bpy
 import numpy as np
 import pytest
+
 import roundelay
 from conftest import CAPTURES, MODULE
 from inside import curves_of, extract, keys_of, pose_at
@@ -146,9 +147,7 @@ def test_one_limb_alone():
         place = bone if hasattr(bone, "select") else bone.bone
         place.select = bone.name == "left.R"
     action = extract()
-    assert {path for path, _ in curves_of(armature)} == {
-        'pose.bones["left.R"].rotation_axis_angle'
-    }
+    assert {path for path, _ in curves_of(armature)} == {'pose.bones["left.R"].rotation_axis_angle'}
     assert action.frame_end - action.frame_start == pytest.approx(40, abs=1)
     keys = keys_of(curves_of(armature)['pose.bones["left.R"].rotation_axis_angle', 0])
     assert keys[0, 1] == keys[-1, 1]
@@ -159,3 +158,28 @@ def test_off_and_on_again(extension):
     assert not hasattr(bpy.types.Scene, "roundelay")
     extension.register()
     assert hasattr(bpy.types.Scene, "roundelay")
+
+
+def test_a_loop_for_each_behaviour(jumps):
+    bpy.context.scene.roundelay.per_behaviour = True
+    extract()
+    assert len(bpy.context.scene.roundelay.loops) >= 1
+
+
+def test_blend_lies_between(jumps):
+    settings = bpy.context.scene.roundelay
+    settings.use_frames, settings.first_frame, settings.frame_count = True, 57, 836
+    first = extract()
+    bpy.ops.roundelay.toggle()
+    settings.first_frame = 1989
+    second = extract()
+    settings.blend_first, settings.blend_second = first, second
+    lengths = {}
+    for weight in (0.0, 0.5, 1.0):
+        assert bpy.ops.roundelay.blend(weight=weight) == {"FINISHED"}
+        blended = jumps.animation_data.action
+        assert blended.name.startswith("Blend") and blended.use_cyclic
+        lengths[weight] = blended.frame_end - blended.frame_start
+    assert lengths[0.0] == pytest.approx(first.frame_end - first.frame_start, abs=1)
+    assert lengths[1.0] == pytest.approx(second.frame_end - second.frame_start, abs=1)
+    assert min(lengths[0.0], lengths[1.0]) <= lengths[0.5] <= max(lengths[0.0], lengths[1.0])

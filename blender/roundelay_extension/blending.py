@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A loop between two loops, by a slider: in phase with each other, bone by bone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from roundelay.cycles.blend import blend
+from roundelay.cycles.cycle import Cycle
+from roundelay.errors import RoundelayError, SkeletonMismatch
+from roundelay.motion import Motion
+
+from .extract import armatures_of
+from .loops import cycle_of_loop, loop_of
+from .reading import read_motion
+from .rig import Rig, rig_of
+from .writing import SOURCE, show, write_loop
+
+
+class ROUNDELAY_OT_blend(bpy.types.Operator):
+    """Blend two loops of the active armature; the slider is in the last operation's panel"""
+
+    bl_idname = "roundelay.blend"
+    bl_label = "Blend Loops"
+    bl_options = {"REGISTER", "UNDO"}
+
+    weight: bpy.props.FloatProperty(
+        name="Weight", description="0 for the first, 1 for the second", default=0.5, min=0, max=1
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Work needs an armature and two loops."""
+        settings = context.scene.roundelay
+        return bool(settings.blend_first and settings.blend_second and armatures_of(context))
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Read both, blend and write."""
+        settings = context.scene.roundelay
+        try:
+            action = _blended(context, armatures_of(context)[0], self.weight)
+        except (RoundelayError, ValueError) as error:
+            settings.message = str(error)
+            self.report({"ERROR"}, settings.message)
+            return {"CANCELLED"}
+        settings.message = f"Made {action.name}"
+        return {"FINISHED"}
+
+
+def _blended(
+    context: bpy.types.Context, armature: bpy.types.Object, weight: float
+) -> bpy.types.Action:
+    settings, scene = context.scene.roundelay, context.scene
+    if armature.animation_data is None:
+        raise SkeletonMismatch(f"{armature.name} has no action")
+    before = armature.animation_data.action
+    loops = settings.blend_first, settings.blend_second
+    try:
+        (rig, first, capture), (_, second, _) = [_read(scene, armature, loop) for loop in loops]
+    finally:
+        show(armature, before)
+    cycle = blend([first, second], [1.0 - weight, weight])
+    loop = loop_of(cycle, capture, settings, scene.render.fps / scene.render.fps_base)
+    name = f"Blend {loops[0].name} {loops[1].name}"
+    action = write_loop(rig, loop, name, start=int(loops[0].frame_start))
+    action[SOURCE] = loops[0]
+    show(armature, action)
+    return action
+
+
+def _read(scene: Any, armature: Any, action: bpy.types.Action) -> tuple[Rig, Cycle, Motion]:
+    """Read two periods of a loop; its modifiers go on after its last key."""
+    show(armature, action)
+    rig, period = rig_of(armature), int(action.frame_end - action.frame_start)
+    start = int(action.frame_start)
+    reading = read_motion(rig, scene, range(start, start + 2 * period + 1))
+    while True:
+        try:
+            next(reading)
+        except StopIteration as end:
+            return rig, cycle_of_loop(end.value, period), end.value
+
+
+CLASSES = (ROUNDELAY_OT_blend,)

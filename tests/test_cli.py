@@ -56,6 +56,16 @@ def test_the_record_holds_results_and_options(looped):
     assert set(cycle["quality"]) >= {"seam_rotation", "template_error", "loop_jerk"}
 
 
+def test_a_loop_for_engines(walk, tmp_path):
+    arguments = ["loop", str(walk), "-o", str(tmp_path), "--file-format", "glb", "--no-picture"]
+    result = runner.invoke(app, [*arguments, "--fps", "30"])
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "walk_loop.glb").read_bytes()[:4] == b"glTF"
+    (cycle,) = json.loads((tmp_path / "walk_loop.json").read_text())["cycles"]
+    assert cycle["playback"]["frames"] == 33
+    assert set(cycle["playback"]["contacts"]) == {"LeftFoot", "RightFoot"}
+
+
 def test_json_is_all_that_is_printed(walk, tmp_path):
     result = runner.invoke(app, ["loop", str(walk), "-o", str(tmp_path), "--json", "--no-picture"])
     assert json.loads(result.stdout)["cycles"][0]["files"] == ["walk_loop.bvh"]
@@ -93,7 +103,7 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
         (["loop", "{walk}", "--joints", "Tail"], "no joint 'Tail'"),
         (["loop", "{walk}", "--prime", "48"], "prime"),
         (["loop", "{walk}", "--fps", "-1"], "positive frame rate"),
-        (["loop", "{walk}", "--file-format", "fbx"], "bvh or amc"),
+        (["loop", "{walk}", "--file-format", "fbx"], "glb or gltf"),
         (["loop", "{readme}"], "file of type"),
         (["convert", "{walk}", "{out}/walk.fbx"], "file of type"),
         (["convert", "{walk}", "{out}/walk.bvh", "--scale", "0"], "positive scale"),

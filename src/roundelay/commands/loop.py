@@ -64,7 +64,7 @@ RepeatFirst = Annotated[
 Segments = Annotated[
     bool, typer.Option("--segments", help="Cut into behaviours first; loops of each by itself.")
 ]
-Format = Annotated[str, typer.Option(help="bvh or amc.")]
+Format = Annotated[str, typer.Option(help="bvh, amc, glb or gltf.")]
 Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
 Gif = Annotated[bool, typer.Option("--gif", help="Write each loop as a moving picture, too.")]
 
@@ -107,8 +107,8 @@ def loop(
     from roundelay.errors import NoPeriod
 
     with one_line_errors():
-        if file_format not in ("bvh", "amc"):
-            raise ValueError(f"expected format bvh or amc, found {file_format!r}")
+        if file_format not in ("bvh", "amc", "glb", "gltf"):
+            raise ValueError(f"expected format bvh, amc, glb or gltf, found {file_format!r}")
         with progress_bar(quiet=json) as progress:
             motion = read_capture(capture, skeleton)
             options = search_options(
@@ -195,6 +195,7 @@ def _write(
 ) -> dict[str, Any]:
     """Write loops, picture and record; return the record."""
     from roundelay.formats import write
+    from roundelay.playback import playback_record
     from roundelay.quality import quality
     from roundelay.records import capture_record, cycle_record, write_json
 
@@ -205,7 +206,8 @@ def _write(
         sampled = cycle.sample(**sampling)
         write(sampled, path)
         entry = cycle_record(cycle, quality(cycle, motion), [path])
-        record["cycles"].append(entry | {"loop_frames": len(sampled)})
+        playback = playback_record(cycle, **sampling)
+        record["cycles"].append(entry | {"loop_frames": len(sampled), "playback": playback})
     if picture:
         from roundelay.figures import overview, save
 

@@ -1,0 +1,97 @@
+"""What an engine needs to play a loop: root motion, phase markers and foot contacts as data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.cycles.cycle import Cycle
+from roundelay.geometry.contacts import contacts, find_feet, foot_points, stretches
+from roundelay.geometry.kinematics import forward_kinematics
+
+__all__ = ["foot_contacts", "playback_record"]
+
+Mask = NDArray[np.bool_]
+
+_MARKERS = 4
+
+
+def playback_record(
+    cycle: Cycle,
+    fps: float | None = None,
+    *,
+    periods: int = 1,
+    in_place: bool = False,
+    repeat_first: bool = False,
+) -> dict[str, Any]:
+    """Describe a loop as `Cycle.sample` makes it, for the engine that plays it.
+
+    Parameters
+    ----------
+    cycle : Cycle
+    fps, periods, in_place, repeat_first
+        As given to `Cycle.sample`.
+
+    Returns
+    -------
+    dict
+        ``loop``: that the frame after the last is the first, moved on by the root motion;
+        ``frames`` of all periods and of one, without a repeated first; ``root_motion`` of one
+        period: displacement in the skeleton's unit, turning in degrees, whether it is in the
+        file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by its joint,
+        of half-open ranges of frames in which it stands, the second number beyond the period
+        where it stands across the seam.
+    """
+    rate = cycle.fps if fps is None else fps
+    count = max(1, round(cycle.period * rate))
+    markers = [(k / _MARKERS, k * count / _MARKERS) for k in range(_MARKERS)]
+    return {
+        "loop": True,
+        "fps": rate,
+        "frames": count * periods,
+        "frames_per_period": count,
+        "first_repeated": repeat_first,
+        "root_motion": {
+            "travel": cycle.travel.tolist(),
+            "turning_degrees": float(np.degrees(cycle.turning)),
+            "up": "XYZ"[cycle.up],
+            "in_file": not in_place,
+        },
+        "markers": [{"phase": phase, "frame": frame} for phase, frame in markers],
+        "contacts": foot_contacts(cycle, rate),
+    }
+
+
+def foot_contacts(cycle: Cycle, fps: float) -> dict[str, list[list[int]]]:
+    """Return when each foot stands, by the name of the joint that touches the ground.
+
+    Returns
+    -------
+    dict
+        Lists of ``[start, stop]`` in frames of one period, ``start`` within it.
+    """
+    count = max(1, round(cycle.period * fps))
+    # The periods before and after decide about feet that stand across the seam.
+    around = cycle.at(np.arange(-count, 2 * count) / count, frame_time=1.0 / fps)
+    places, turns = forward_kinematics(
+        around.skeleton, around.rotations, around.root_path, translations=around.translations
+    )
+    feet = find_feet(around.skeleton, places, around.up)
+    if not feet:
+        return {}
+    points = foot_points(feet, places, turns)
+    standing = contacts(points, fps=fps, size=around.skeleton.size, up=around.up)
+    names = [cycle.skeleton.names[foot.joint] for foot in feet]
+    return {name: _stands(mask, count) for name, mask in zip(names, standing.T, strict=True)}
+
+
+def _stands(mask: Mask, count: int) -> list[list[int]]:
+    """Ranges of the middle one of three periods, in its frames, each told where it begins."""
+    middle = mask[count : 2 * count]
+    if middle.all():
+        return [[0, count]]
+    # What stands at the first frame began before it, unless nothing stands at the last.
+    first = 1 if middle[-1] else 0
+    return [[a, b] for a, b in stretches(np.tile(middle, 2)) if first <= a < count]

@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from roundelay.cycles.cycle import Cycle
 from roundelay.errors import TooShort
 from roundelay.geometry import rotations as rot
+from roundelay.geometry.contacts import find_feet, foot_points, skate
+from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.likeness import Laid, lay, npss, rmse
 from roundelay.motion import Motion
 from roundelay.poses import point_cloud
 from roundelay.timing import Run
@@ -20,8 +23,8 @@ Array = NDArray[np.float64]
 
 # Third derivative, forward, of 4th order (Fornberg 1988; [A] 6.3).
 _JERK = np.array([-49 / 8, 29, -461 / 8, 62, -307 / 8, 13, -15 / 8])
-# Phases at which a cycle is laid against its capture.
-_GRID = 256
+# Parts of the circle that are looked for.
+_CELLS = 32
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,19 @@ class Quality:
         Periods seen in the capture.
     frames : int
         Frames of the capture that the cycle was made from.
+    seam_length : float
+        Longest way of a joint, relative to the root, from the last frame to the first, in the
+        skeleton's length unit.
+    loop_skate, capture_skate : float
+        How far feet slide along the ground in a period, in body sizes
+        (`roundelay.geometry.contacts.skate`).
+    velocity_error, acceleration_error : float
+        The same as the template error of velocities and accelerations, in radians a second and
+        a second squared ([C] eq. 4.2, 4.3 without weights).
+    npss, npss_shift_invariant : float
+        Difference of frequencies of capture and repeated loop (`roundelay.likeness.npss`).
+    coverage : float
+        Share of the circle that the capture shows.
     """
 
     seam_rotation: float
@@ -61,6 +77,14 @@ class Quality:
     template_error: float
     repetitions: float
     frames: int
+    seam_length: float
+    loop_skate: float
+    capture_skate: float
+    velocity_error: float
+    acceleration_error: float
+    npss: float
+    npss_shift_invariant: float
+    coverage: float
 
 
 def quality(cycle: Cycle, motion: Motion) -> Quality:
@@ -92,6 +116,10 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
     places, source = point_cloud(loop), point_cloud(motion)
     changes = np.concatenate([_velocity_changes(source[a:b], motion.fps) for a, b in runs])
     around = np.concatenate([places[-2:], places[:2]])
+    gap = np.linalg.norm((places[0] - places[-1]).reshape(-1, 3), axis=1)
+    laid = [lay(cycle, motion, run) for run in runs]
+    template, velocity, acceleration = rmse(laid, motion.fps)
+    slid = _skates(cycle, motion, runs)
     return Quality(
         seam_rotation=float(steps[0]),
         step_rotation=float(steps[1:].max(initial=0.0)),
@@ -99,10 +127,56 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
         capture_velocity=float(np.percentile(changes, 95)),
         loop_jerk=_mean_jerk(np.concatenate([places, places[:6]]), motion.fps),
         capture_jerk=float(np.mean([_mean_jerk(source[a:b], motion.fps) for a, b in runs])),
-        template_error=_template_error(cycle, motion, runs),
+        template_error=template,
         repetitions=cycle.evidence.repetitions,
         frames=sum(b - a for a, b in runs),
+        seam_length=float(gap.max()) * motion.skeleton.size,
+        loop_skate=slid[0],
+        capture_skate=slid[1],
+        velocity_error=velocity,
+        acceleration_error=acceleration,
+        npss=_likeness(laid, shift_invariant=False),
+        npss_shift_invariant=_likeness(laid, shift_invariant=True),
+        coverage=_coverage(laid),
     )
+
+
+def _skates(cycle: Cycle, motion: Motion, runs: tuple[Run, ...]) -> tuple[float, float]:
+    """Return how far feet slide in a period, in body sizes, in the loop and in the capture."""
+    feet = find_feet(motion.skeleton, motion.positions(), motion.up)
+    if not feet:
+        return 0.0, 0.0
+
+    def slid(part: Motion) -> float:
+        placed = forward_kinematics(
+            part.skeleton, part.rotations, part.root_path, translations=part.translations
+        )
+        points = foot_points(feet, *placed)
+        return skate(points, fps=part.fps, size=part.skeleton.size, up=part.up)
+
+    periods = sum(b - a for a, b in runs) / (cycle.period * motion.fps)
+    # Two periods: the slide across the seam counts.
+    return 0.5 * slid(cycle.sample(periods=2, repeat_first=True)), sum(
+        slid(motion[a:b]) for a, b in runs
+    ) / periods
+
+
+def _likeness(laid: list[Laid], *, shift_invariant: bool) -> float:
+    """Return the spectral difference of joints' turns from their mean, over all runs."""
+    middle = rot.conjugate(rot.mean(laid[0].capture))
+    values = []
+    for part in laid:
+        turns = [
+            rot.to_rotation_vector(rot.multiply(middle, side)).reshape(len(part.phase), -1)
+            for side in (part.capture, part.loop)
+        ]
+        values.append(npss(turns[0], turns[1], shift_invariant=shift_invariant))
+    return float(np.average(values, weights=[len(part.phase) for part in laid]))
+
+
+def _coverage(laid: list[Laid]) -> float:
+    cells = [np.floor(part.phase * _CELLS).astype(int) % _CELLS for part in laid]
+    return len(np.unique(np.concatenate(cells))) / _CELLS
 
 
 def jerk(values: ArrayLike, fps: float) -> Array:
@@ -131,21 +205,3 @@ def _velocity_changes(points: Array, fps: float) -> Array:
     """Return RMS over joints of how much velocity changes at each inner frame."""
     change = np.diff(points, n=2, axis=0).reshape(len(points) - 2, -1, 3) * fps
     return np.asarray(np.sqrt(np.mean(np.sum(change**2, axis=-1), axis=-1)))
-
-
-def _template_error(cycle: Cycle, motion: Motion, runs: tuple[Run, ...]) -> float:
-    """Lay the loop, repeated at a constant tempo, against each run; see `Quality`."""
-    grid = cycle.rotations(np.arange(_GRID) / _GRID)
-    total = frames = 0.0
-    for start, stop in runs:
-        apart = np.zeros((stop - start, _GRID))
-        for joint in range(1, motion.skeleton.n_joints):
-            cosine = np.abs(motion.rotations[start:stop, joint] @ grid[:, joint].T)
-            apart += (2.0 * np.arccos(np.minimum(cosine, 1.0))) ** 2
-        steps = np.arange(stop - start) / (cycle.period * motion.fps) * _GRID
-        tried = [
-            float(apart[np.arange(stop - start), (np.round(steps) + k).astype(int) % _GRID].sum())
-            for k in range(_GRID)
-        ]
-        total, frames = total + min(tried), frames + (stop - start)
-    return float(np.sqrt(total / frames))

@@ -1,0 +1,68 @@
+"""Figures of a cycle: zero where nothing is wrong, growing with what is."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from roundelay import find_cycles, synth
+from roundelay.likeness import lay, npss, rmse
+from roundelay.quality import jerk, quality
+
+
+@pytest.fixture(scope="module")
+def walk() -> synth.Synthetic:
+    return synth.gait("walk", repetitions=2.5, noise=0.01)
+
+
+def test_figures_of_a_good_loop(walk: synth.Synthetic) -> None:
+    figures = quality(find_cycles(walk.motion)[0], walk.motion)
+    assert figures.seam_rotation <= figures.step_rotation * 1.2
+    assert figures.seam_velocity <= figures.capture_velocity
+    assert figures.loop_jerk <= figures.capture_jerk
+    assert figures.loop_skate <= figures.capture_skate
+    assert figures.seam_length < 0.05 * walk.motion.skeleton.size
+    assert figures.coverage == 1.0
+    assert figures.repetitions == pytest.approx(2.5, abs=0.05)
+    # White noise of .01 rad about three axes of 18 joints.
+    assert figures.template_error == pytest.approx(0.01 * np.sqrt(54), rel=0.15)
+    assert figures.velocity_error < figures.acceleration_error
+    assert figures.npss < 2.0
+
+
+def test_figures_are_plain_numbers(walk: synth.Synthetic) -> None:
+    figures = quality(find_cycles(walk.motion)[0], walk.motion)
+    assert all(isinstance(value, int | float) for value in dataclasses.asdict(figures).values())
+
+
+def test_a_cycle_without_evidence_is_refused(walk: synth.Synthetic) -> None:
+    cycle = dataclasses.replace(find_cycles(walk.motion)[0], evidence=None)
+    with pytest.raises(ValueError, match="evidence"):
+        quality(cycle, walk.motion)
+
+
+def test_laying_finds_the_phase(walk: synth.Synthetic) -> None:
+    clean = synth.gait("walk", repetitions=2.5)
+    cycle = find_cycles(clean.motion)[0]
+    laid = lay(cycle, clean.motion, (30, 200))
+    ahead = laid.phase - clean.phase[30:200]
+    assert np.ptp(ahead) < 0.01
+    assert rmse([laid], 120.0)[0] < 0.03
+
+
+def test_npss_compares_frequencies() -> None:
+    time = np.arange(200)[:, None] / 200
+    slow, fast = np.sin(2 * np.pi * 4 * time), np.sin(2 * np.pi * 9 * time)
+    assert npss(slow, slow) == 0.0
+    # All power is moved by five frequencies, half of it on either side of the spectrum.
+    assert npss(slow, fast) == pytest.approx(5.0, rel=1e-6)
+    later = np.sin(2 * np.pi * (4.3 * time + 0.21))
+    first = np.sin(2 * np.pi * 4.3 * time)
+    assert npss(first, later, shift_invariant=True) < 0.5 * npss(first, later)
+    assert npss(slow, slow + 3.0) > 1.0
+    assert npss(slow, slow + 3.0, shift_invariant=True) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_jerk_of_a_cubic_is_exact() -> None:
+    time = np.arange(20) / 30.0
+    assert np.allclose(jerk(np.column_stack([time**3, time**2]), 30.0), [6.0, 0.0], atol=1e-6)

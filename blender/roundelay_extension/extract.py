@@ -92,8 +92,8 @@ class ROUNDELAY_OT_extract(LongOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Work needs an armature."""
-        return bool(armatures_of(context))
+        """Work needs an armature, and no other work in progress."""
+        return not cls.busy and bool(armatures_of(context))
 
     def steps(self, context: bpy.types.Context) -> Steps[str]:
         """Read, search and write, one armature after the other."""
@@ -167,7 +167,11 @@ class ROUNDELAY_OT_inspect(LongOperator, bpy.types.Operator):
     bl_idname = "roundelay.inspect"
     bl_label = "List Classes"
     bl_options = {"REGISTER", "UNDO"}
-    poll = ROUNDELAY_OT_extract.poll
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Work needs an armature, and no other work in progress."""
+        return not cls.busy and bool(armatures_of(context))
 
     def steps(self, context: bpy.types.Context) -> Steps[str]:
         """Read and inspect, one armature after the other."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor, wait
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import bpy
 
@@ -49,8 +49,9 @@ class LongOperator:
     line for the panel.
     """
 
+    busy: ClassVar[bool] = False
     _steps: Steps[str]
-    _timer: Any
+    _timer: Any = None
 
     def steps(self, context: bpy.types.Context) -> Steps[str]:
         """Do the work."""
@@ -67,6 +68,7 @@ class LongOperator:
         """Start the slices."""
         if bpy.app.background:
             return self.execute(context)
+        LongOperator.busy = True
         self._steps = self.steps(context)
         self._timer = context.window_manager.event_timer_add(_SLICE, window=context.window)
         context.window_manager.modal_handler_add(self)
@@ -75,12 +77,17 @@ class LongOperator:
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Do one slice, or stop."""
         if event.type == "ESC":
-            self._steps.close()
-            return self._finish(context, {"CANCELLED"}, "Cancelled")
+            self.cancel(context)
+            return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         state = self._advance(context)
         return {"RUNNING_MODAL"} if state is None else state
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Stop the work; Blender calls this, too, when it loads another file."""
+        self._steps.close()
+        self._finish(context, "Cancelled")
 
     def _advance(self, context: bpy.types.Context) -> set[str] | None:
         """Work for a slice; None as long as there is more."""
@@ -89,10 +96,11 @@ class LongOperator:
             while time.monotonic() < until:
                 self._show(context, *next(self._steps))
         except StopIteration as end:
-            return self._finish(context, {"FINISHED"}, end.value)
+            self._finish(context, end.value)
+            return {"FINISHED"}
         except (RoundelayError, ValueError, OSError, RuntimeError) as error:
             message = str(error).strip().splitlines()[0]
-            self._finish(context, {"CANCELLED"}, message)
+            self._finish(context, message)
             self.report({"ERROR"}, message)  # type: ignore[attr-defined]
             return {"CANCELLED"}
         return None
@@ -102,13 +110,11 @@ class LongOperator:
         settings.progress, settings.message = fraction, text
         _redraw(context)
 
-    def _finish(self, context: bpy.types.Context, state: set[str], message: str) -> set[str]:
-        if getattr(self, "_timer", None) is not None:
+    def _finish(self, context: bpy.types.Context, message: str) -> None:
+        LongOperator.busy = False
+        if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)
-        settings = context.scene.roundelay
-        settings.progress, settings.message = 0.0, message
-        _redraw(context)
-        return state
+        self._show(context, 0.0, message)
 
 
 def _redraw(context: bpy.types.Context) -> None:

@@ -26,8 +26,8 @@ class ROUNDELAY_OT_segment(LongOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Work needs an armature."""
-        return bool(armatures_of(context))
+        """Work needs an armature, and no other work in progress."""
+        return not cls.busy and bool(armatures_of(context))
 
     def steps(self, context: bpy.types.Context) -> Steps[str]:
         """Read, cut and mark."""

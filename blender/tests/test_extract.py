@@ -245,7 +245,7 @@ def test_classes_by_hand(jumps):
     assert span(action) == automatic
 
 
-def test_half_a_second_for_500_frames():
+def test_500_frames_take_less_than_a_second():
     armature = import_capture("01_01")
     settings = bpy.context.scene.roundelay
     settings.use_frames, settings.first_frame, settings.frame_count = True, 60, 500
@@ -253,7 +253,7 @@ def test_half_a_second_for_500_frames():
     extract()
     seconds = time.perf_counter() - began
     print(f"\n500 frames, {len(armature.pose.bones)} bones: {seconds:.2f} s")
-    assert seconds < 3.0
+    assert seconds < 1.0
 
 
 def test_undo(jumps):

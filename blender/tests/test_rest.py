@@ -1,6 +1,8 @@
 """Behaviours, import, cancelling, rigs made by hand, registration."""
 
 import sys
+import time
+import types
 
 import bpy
 import numpy as np
@@ -72,13 +74,52 @@ def test_cancel(jumps):
     assert not any(a.name.startswith("Periodic") for a in bpy.data.actions)
 
 
-def test_cancelled_operator_makes_nothing(jumps):
-    extract_module = sys.modules[f"{MODULE}.extract"]
-    settings = bpy.context.scene.roundelay
-    steps = extract_module._extract(bpy.context, jumps, settings)
-    while next(steps)[1].startswith("reading"):
-        pass
-    steps.close()
+class Clicked:
+    """An operator as a window drives it: there is none in the background."""
+
+    def __init__(self, name):
+        cls = getattr(sys.modules[f"{MODULE}.extract"], name)
+        long_operator = sys.modules[f"{MODULE}.jobs"].LongOperator
+        self.operator = type("Clicked", (long_operator,), {"steps": cls.steps, "report": print})()
+        self.timers = []
+        manager = types.SimpleNamespace(event_timer_remove=self.timers.remove)
+        self.context = types.SimpleNamespace(
+            mode="OBJECT",
+            scene=bpy.context.scene,
+            screen=None,
+            selected_objects=bpy.context.selected_objects,
+            active_object=bpy.context.view_layer.objects.active,
+            window_manager=manager,
+        )
+        self.timers.append("timer")
+        self.operator._timer = "timer"
+        self.operator._steps = self.operator.steps(self.context)
+
+    def event(self, name):
+        return self.operator.modal(self.context, types.SimpleNamespace(type=name))
+
+
+def test_slices_do_not_freeze(jumps):
+    clicked, longest = Clicked("ROUNDELAY_OT_extract"), 0.0
+    assert clicked.event("MOUSEMOVE") == {"PASS_THROUGH"}
+    for _ in range(1000):
+        began = time.perf_counter()
+        state = clicked.event("TIMER")
+        if state != {"RUNNING_MODAL"}:
+            break
+        longest = max(longest, time.perf_counter() - began)
+    assert state == {"FINISHED"}
+    assert not clicked.timers
+    assert jumps.animation_data.action.name.startswith("Periodic")
+    assert longest < 0.5
+
+
+def test_escape_makes_nothing(jumps):
+    clicked = Clicked("ROUNDELAY_OT_extract")
+    assert clicked.event("TIMER") == {"RUNNING_MODAL"}
+    assert clicked.event("ESC") == {"CANCELLED"}
+    assert bpy.context.scene.roundelay.message == "Cancelled"
+    assert not clicked.timers
     assert not any(a.name.startswith("Periodic") for a in bpy.data.actions)
 
 

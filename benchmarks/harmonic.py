@@ -1,16 +1,22 @@
 """Tables A.1-A.3 and B.1-B.3 of [C], row by row: published, our faithful models, our default.
 
-    python -m benchmarks.harmonic --data FOLDER [--json] [--rows 07_01 09_01 ...]
+    python -m benchmarks.harmonic --data FOLDER [--json] [--rows 07_01 09_01 ...] [--no-paper]
 
-Two metrics, the same for the faithful models and for the default, both template matching
-([C] eq. 4.4, 4.5) over whole captures (table C.1 for boxing):
+Template matching ([C] eq. 4.4, 4.5) over all frames (table C.1 for boxing), the same metric for
+the faithful models and for the default:
 
-- *euler*: distance of the Euler angles of all joints, root's rotation included or not, in the
-  file's own channels (see `euler_angles`), radians, unwrapped;
-  of equivalent triples of the loop the one nearest to the capture's is taken. The root's
-  translation is out. The root's rotation of the default, which travels and turns, is laid
-  against the capture's at the best heading.
-- *rotation*: root of the sum of squared angles of rotation between loop and capture.
+- *channels*: distance of the file's own rotation channels, the root's included, in radians and
+  unwrapped (see `euler_angles`); of equivalent triples of the loop the one nearest to the
+  capture's. The root's translation is out, and the steady turning of the default's root too: it
+  lies in the travel. For the faithful models also *plain*: without equivalent triples, as
+  published.
+- *rotation*: root of the sum of squared angles of rotation of all joints but the root.
+- *own*: rotation over the frames the cycle was found in. A capture that turns or stops half-way
+  is no repeated stride as a whole.
+
+The loop of the default is its frames (a whole number a period, repeated) before the foot lock,
+which is measured beside it. Poses put before a capture (a T-pose, or frames before a jump of a
+limb in the first few) are left out for all.
 """
 
 from __future__ import annotations
@@ -18,6 +24,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
+import timeit
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -28,12 +35,18 @@ from numpy.typing import NDArray
 
 import roundelay
 from benchmarks.raunio_tables import PUBLISHED, SCALE, Published
+from roundelay import pipeline
 from roundelay.cycles import paper
+from roundelay.cycles.fitting import fit_cycle
+from roundelay.cycles.tempo import time_phase
+from roundelay.detection import candidate_parts
 from roundelay.formats.acclaim import AcclaimLayout
 from roundelay.formats.euler import decompose
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion
-from roundelay.quality import quality
+from roundelay.periodicity import measure as measure_runs
+from roundelay.poses import point_cloud
+from roundelay.quality import quality, velocity_changes
 
 Array = NDArray[np.float64]
 
@@ -60,10 +73,14 @@ def captures(data: Path) -> dict[str, Path]:
 
 
 def load(path: Path, frames: tuple[int, int] | None) -> Motion:
-    """Read a capture, without the T-pose that the BVH conversions begin with."""
+    """Read a capture, without other poses put before it."""
     motion = roundelay.read(path)
     motion = motion[1:] if path.suffix == ".bvh" else motion
-    return motion if frames is None else motion[frames[0] : frames[1]]
+    if frames is not None:
+        return motion[frames[0] : frames[1]]
+    turned = rot.angle_between(motion.rotations[1:7], motion.rotations[:6])
+    jumps = np.flatnonzero(np.sum(turned > np.radians(30.0), axis=1) > 3)
+    return motion[int(jumps[-1]) + 1 :] if len(jumps) else motion
 
 
 def euler_angles(motion: Motion, rotations: Array) -> Array:
@@ -128,8 +145,7 @@ def errors(motion: Motion, loop: Array) -> dict[str, float]:
     euler = euler_squares(euler_angles(motion, motion.rotations), euler_angles(motion, loop))
     turned = rotation_squares(motion.rotations, loop)
     return {
-        "euler_with_root": matched(euler, root=True),
-        "euler": matched(euler, root=False),
+        "channels": matched(euler, root=True),
         "rotation": matched(turned, root=False),
     }
 
@@ -166,7 +182,7 @@ def _with_primes(values: Array, options: paper.PaperOptions) -> paper.PaperCycle
     raise refused
 
 
-def default(motion: Motion, row: Published) -> dict[str, Any]:
+def default(motion: Motion) -> dict[str, Any]:
     """Run the default and measure its first cycle."""
     begun = time.perf_counter()
     try:
@@ -174,15 +190,18 @@ def default(motion: Motion, row: Published) -> dict[str, Any]:
     except roundelay.RoundelayError as error:
         return {"failed": str(error)}
     seconds = time.perf_counter() - begun
-    loop = cycle.sample(in_place=True)
-    turning = abs(cycle.turning) > 0.1
+    figures = quality(cycle, motion)
+    loop = cycle.sample(in_place=True, foot_lock=False).rotations
+    locked = cycle.sample(in_place=True).rotations
     return {
-        **errors(motion, loop.rotations),
-        "turning": turning,
-        "periods": cycle.evidence.repetitions if cycle.evidence else float("nan"),
+        **errors(motion, loop),
+        "own": figures.template_error,
+        "locked": errors(motion, locked)["channels"],
+        "periods": figures.repetitions,
         "period": cycle.period * motion.fps,
+        "frames_used": figures.frames,
         "seconds": seconds,
-        **{f"q_{name}": value for name, value in asdict(quality(cycle, motion)).items()},
+        "quality": asdict(figures),
     }
 
 
@@ -195,8 +214,90 @@ def measure(data: Path, only: Sequence[str], *, with_paper: bool) -> list[Row]:
             continue
         motion = load(path, row.frames)
         old = faithful(motion, row) if with_paper else {}
-        rows.append(Row(row, len(motion), old, default(motion, row)))
+        rows.append(Row(row, len(motion), old, default(motion)))
     return rows
+
+
+def stages(motion: Motion) -> dict[str, float]:
+    """Return the best of 5 times of each stage of `find_cycles`, in milliseconds."""
+    points = pipeline._points(motion, roundelay.Options())
+    found = pipeline.find_periodic(motion, points=points)[0]
+    step = pipeline._step(motion.fps, len(motion))
+    phase = time_phase(points, found.turns, found.runs, frame_time=motion.frame_time)
+    cycle = fit_cycle(motion, phase, found.runs)
+    work = {
+        "poses": lambda: pipeline._points(motion, roundelay.Options()),
+        "recurrence": lambda: candidate_parts(points[::step], motion.fps / step),
+        "topology": lambda: measure_runs(
+            points, found.runs, found.period, step, roundelay.TopologyOptions()
+        ),
+        "time": lambda: time_phase(points, found.turns, found.runs, frame_time=motion.frame_time),
+        "fit": lambda: fit_cycle(motion, phase, found.runs),
+        "find_cycles, all": lambda: roundelay.find_cycles(motion),
+        "sample": lambda: cycle.sample(),
+    }
+    return {name: 1e3 * min(timeit.repeat(job, number=1, repeat=5)) for name, job in work.items()}
+
+
+def hand_made(data: Path) -> list[dict[str, Any]]:
+    """Measure loops closed by hand as they are: seam, skate and jerk a period."""
+    rows = []
+    for path in sorted((data / "other" / "hand_made_loops").glob("*.bvh")):
+        motion = roundelay.read(path)
+        cycle = roundelay.find_cycles(motion)[0]
+        places = point_cloud(motion)
+        around = np.concatenate([places[-2:], places[:2]])
+        steps = np.degrees(
+            rot.angle_between(motion.rotations, np.roll(motion.rotations, 1, axis=0))
+        )[:, 1:].max(axis=1)
+        figures = asdict(quality(cycle, motion))
+        figures["hand_seam_rotation"] = float(steps[0])
+        figures["hand_seam_velocity"] = float(velocity_changes(around, motion.fps).max())
+        rows.append({"loop": path.stem, "frames": len(motion), **figures})
+    return rows
+
+
+def summary(rows: list[Row]) -> dict[str, Any]:
+    """Count what the project promises on walks and runs."""
+    result: dict[str, Any] = {}
+    for kind in SCALE:
+        chosen = [row for row in rows if row.published.kind == kind]
+        result[kind] = {
+            "rows": len(chosen),
+            "published_m1": _median([row.published.template[0] for row in chosen]),
+            **{f"m1_{key}": _median([row.faithful.get("M1", {}).get(key) for row in chosen])
+               for key in ("plain", "channels")},
+            **{key: _median([row.default.get(key) for row in chosen])
+               for key in ("channels", "rotation", "own", "locked")},
+        }  # fmt: skip
+    gaits = [row for row in rows if row.published.kind != "boxing"]
+    for key in ("channels", "rotation", "own"):
+        ratio = {
+            row.published.trial: row.default.get(key, np.inf) / row.published.template[0]
+            for row in gaits
+        }
+        worst = sorted(ratio.items(), key=lambda item: -item[1])[:6]
+        result[f"{key}_to_published"] = {
+            "below": sum(value < 1.0 for value in ratio.values()),
+            "above_1.2": sum(value > 1.2 for value in ratio.values()),
+            "worst": {name: round(float(value), 2) for name, value in worst},
+        }
+    figures = [row.default["quality"] for row in gaits if "quality" in row.default]
+    for ours, theirs in (
+        ("seam_velocity", "capture_velocity"),
+        ("loop_jerk", "capture_jerk"),
+        ("loop_skate", "capture_skate"),
+    ):
+        result[f"{ours} <= {theirs}"] = sum(f[ours] <= f[theirs] for f in figures)
+    frames = sum(row.frames for row in gaits)
+    seconds = sum(row.default.get("seconds", 0.0) for row in gaits)
+    result["frames_a_second"] = frames / max(seconds, 1e-9)
+    return result
+
+
+def _median(values: list[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return round(float(np.median(known)), 3) if known else None
 
 
 def main() -> None:
@@ -207,63 +308,34 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     rows = measure(arguments.data, arguments.rows, with_paper=not arguments.no_paper)
+    report = {
+        "summary": summary(rows),
+        "stages_ms_500_frames": stages(load(captures(arguments.data)["12_03"], (0, 500))),
+        "hand_made": hand_made(arguments.data),
+    }
     if arguments.json:
-        print(json.dumps([asdict(row) for row in rows], indent=1))
-    else:
-        print_tables(rows)
+        print(json.dumps({**report, "rows": [asdict(row) for row in rows]}, indent=1))
+        return
+    print_rows(rows)
+    print(json.dumps(report, indent=1))
 
 
-def print_tables(rows: list[Row]) -> None:
+def print_rows(rows: list[Row]) -> None:
+    print("               published M1      | faithful: M1 M2 M3 plain, channels; RMSE h h' h''")
+    print("                                 | default: channels rotation own locked")
     for row in rows:
         p, d = row.published, row.default
-        old = " ".join(
-            f"{row.faithful.get(m, {}).get(k, np.nan):5.2f}"
-            for m in ("M1", "M2", "M3")
-            for k in ("plain", "euler_with_root", "euler")
-        )
-        rmse = " ".join(f"{v:5.2f}" for v in row.faithful.get("M1", {}).get("rmse", (np.nan,) * 3))
-        per = row.faithful.get("M1", {}).get("periods", np.nan)
+        old = [row.faithful.get(model, {}) for model in ("M1", "M2", "M3")]
+        errors_ = [model.get(key, np.nan) for key in ("plain", "channels") for model in old]
+        own = [d.get(key, np.nan) for key in ("channels", "rotation", "own", "locked")]
         print(
-            f"{p.kind:6s} {p.trial} {row.frames:4d} pub {p.template[0]:5.2f} n {p.periods:.2f} | "
-            f"{old} n {per:.2f} rmse {p.m1_rmse[0]:.2f} ({rmse}) | "
-            f"{d.get('euler_with_root', np.nan):5.2f} {d.get('euler', np.nan):5.2f} "
-            f"{d.get('rotation', np.nan):5.2f} n {d.get('periods', np.nan):.2f} "
-            f"{1e3 * d.get('seconds', np.nan):.0f} ms {d.get('failed', '')[:60]}",
-            flush=True,
-        )
-    for kind in SCALE:
-        chosen = [row for row in rows if row.published.kind == kind]
-        if not chosen:
-            continue
-
-        def median(values: list[float]) -> float:
-            return float(np.nanmedian(values)) if values else float("nan")
-
-        print(
-            kind,
-            len(chosen),
-            f"published {median([r.published.template[0] for r in chosen]):.3f}",
-            *(
-                f"M1 {k} {median([r.faithful.get('M1', {}).get(k, np.nan) for r in chosen]):.3f}"
-                for k in ("plain", "euler_with_root", "euler")
-            ),
-            *(
-                f"{k} {median([r.default.get(k, np.nan) for r in chosen]):.3f}"
-                for k in ("euler_with_root", "euler", "rotation", "q_template_error")
-            ),
-        )
-        for key in ("euler_with_root", "euler"):
-            ratio = [r.default.get(key, np.inf) / r.published.template[0] for r in chosen]
-            print(
-                f"  {key}: below published {sum(x < 1 for x in ratio)}, worst",
-                sorted(
-                    zip(
-                        np.round(ratio, 2).tolist(),
-                        [r.published.trial for r in chosen],
-                        strict=True,
-                    )
-                )[-6:],
-            )
+            f"{p.kind:6} {p.trial} {row.frames:4d} {p.template[0]:.2f} n {p.periods:.2f}",
+            "rmse", *p.m1_rmse, "|", *(f"{value:.2f}" for value in errors_),
+            f"n {old[0].get('periods', np.nan):.2f}",
+            "rmse", *(f"{value:.2f}" for value in old[0].get("rmse", ())), "|",
+            *(f"{value:.2f}" for value in own), f"n {d.get('periods', np.nan):.2f}",
+            f"T {d.get('period', np.nan):.1f}", d.get("failed", "")[:60],
+        )  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from roundelay.motion import Motion
 from roundelay.poses import point_cloud
 from roundelay.timing import Run
 
-__all__ = ["Quality", "jerk", "quality"]
+__all__ = ["Quality", "jerk", "quality", "velocity_changes"]
 
 Array = NDArray[np.float64]
 
@@ -114,7 +114,7 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
     # The root may travel on after the seam: joints are compared without it.
     steps = turned[:, 1:].max(axis=1) if turned.shape[1] > 1 else turned.max(axis=1)
     places, source = point_cloud(loop), point_cloud(motion)
-    changes = np.concatenate([_velocity_changes(source[a:b], motion.fps) for a, b in runs])
+    changes = np.concatenate([velocity_changes(source[a:b], motion.fps) for a, b in runs])
     around = np.concatenate([places[-2:], places[:2]])
     gap = np.linalg.norm((places[0] - places[-1]).reshape(-1, 3), axis=1)
     laid = [lay(cycle, motion, run) for run in runs]
@@ -123,7 +123,7 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
     return Quality(
         seam_rotation=float(steps[0]),
         step_rotation=float(steps[1:].max(initial=0.0)),
-        seam_velocity=float(_velocity_changes(around, motion.fps).max()),
+        seam_velocity=float(velocity_changes(around, motion.fps).max()),
         capture_velocity=float(np.percentile(changes, 95)),
         loop_jerk=_mean_jerk(np.concatenate([places, places[:6]]), motion.fps),
         capture_jerk=float(np.mean([_mean_jerk(source[a:b], motion.fps) for a, b in runs])),
@@ -201,7 +201,7 @@ def _mean_jerk(points: Array, fps: float) -> float:
     return float(np.linalg.norm(joints, axis=-1).mean())
 
 
-def _velocity_changes(points: Array, fps: float) -> Array:
+def velocity_changes(points: Array, fps: float) -> Array:
     """Return RMS over joints of how much velocity changes at each inner frame."""
     change = np.diff(points, n=2, axis=0).reshape(len(points) - 2, -1, 3) * fps
     return np.asarray(np.sqrt(np.mean(np.sum(change**2, axis=-1), axis=-1)))

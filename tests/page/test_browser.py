@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import roundelay as rl
@@ -173,7 +174,10 @@ def test_the_loop_is_saved(visit, page_file, jump_cycles, tmp_path):
     assert download.value.suggested_filename == "01_01_loop.bvh"
     path: Path = tmp_path / "saved.bvh"
     download.value.save_as(path)
-    assert len(rl.read(path)) == len(jump_cycles[0].sample())
+    saved, loop = rl.read(path), jump_cycles[0].sample()
+    assert len(saved) == len(loop)
+    assert np.allclose(saved.positions(), loop.positions(), atol=1e-4 * loop.skeleton.size)
+    assert saved.frame_time == pytest.approx(loop.frame_time)
 
 
 def test_several_motions(visit, several_file):

@@ -32,3 +32,13 @@ def test_what_does_not_change_costs_nothing():
 def test_numbers_must_be_finite():
     with pytest.raises(ValueError):
         Packer().text({"x": float("nan")})
+
+
+def test_decimals_come_back_exactly():
+    rng = np.random.default_rng(1)
+    numbers = np.round(np.cumsum(rng.normal(size=(80, 3)), axis=0) * [1.0, 30.0, 700.0], 3)
+    packer = Packer()
+    found, data = unpacked(packer.text({"a": packer.add_decimals(numbers, 3)}))
+    assert np.array_equal(np.round(values(found["a"], data), 3), numbers)
+    with pytest.raises(ValueError, match="range"):
+        packer.add_decimals([[0.0], [1e5]], 3)

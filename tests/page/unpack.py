@@ -18,10 +18,11 @@ def unpacked(text: str) -> tuple[dict, bytes]:
 def values(reference: dict, data: bytes) -> np.ndarray:
     rows, columns = reference["rows"], len(reference["low"])
     count, at = rows * columns, reference["at"]
-    low = np.frombuffer(data, np.uint8, count, at).astype(int)
-    code = (low | np.frombuffer(data, np.uint8, count, at + count).astype(int) << 8).reshape(
-        columns, rows
-    )
+    planes = [
+        np.frombuffer(data, np.uint8, count, at + plane * count).astype(int) << 8 * plane
+        for plane in range(reference["planes"])
+    ]
+    code = sum(planes).reshape(columns, rows)
     steps = np.where(code & 1, -(code + 1) // 2, code // 2)
-    levels = np.cumsum(steps, axis=1) & 0xFFFF
+    levels = np.cumsum(steps, axis=1) & (256 ** reference["planes"] - 1)
     return levels.T * reference["step"] + reference["low"]

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 # Bars drawn, and among them those with a coordinate to look at.
 _BARS, _CLASSES = 16, 5
-_LOOP_FPS, _LOOP_FRAMES = 60.0, 240
+_LOOP_FPS, _LOOP_FRAMES = 40.0, 240
 
 
 def cycle_data(
@@ -68,7 +68,7 @@ def cycle_data(
         "loop": _loop(motion, cycle, evidence, space, packer),
         "quality": quality_rows(quality(cycle, motion)),
         "file": file,
-        "bvh": _bvh(cycle),
+        "bvh": _bvh(cycle, packer),
     }
 
 
@@ -162,12 +162,9 @@ def _loop(
     motion: Motion, cycle: Cycle, evidence: Evidence, space: Space, packer: Packer
 ) -> dict[str, Any]:
     """Sample one period, its end included, and the phase of the capture's frames in it."""
-    rooted = motion.with_root_motion()
     count = int(np.clip(round(cycle.period * _LOOP_FPS), 8, _LOOP_FRAMES))
     period = cycle.at(np.arange(count + 1) / count, frame_time=1.0 / _LOOP_FPS)
-    phase = time_phase(
-        point_cloud(rooted), evidence.turns, evidence.runs, frame_time=motion.frame_time
-    )
+    phase = _phase(motion.with_root_motion(), evidence)
     return {
         "points": packer.add(space.points(period).reshape(count + 1, -1), common_step=True),
         "turning": cycle.turning,
@@ -176,11 +173,28 @@ def _loop(
     }
 
 
-def _bvh(cycle: Cycle) -> str:
-    """Return the loop as the text of a BVH file."""
+def _phase(motion: Motion, evidence: Evidence) -> Array:
+    """Return the phase of the cycle (F,) that shows each frame's pose."""
+    if evidence.closed:
+        return evidence.turns
+    points, turns = point_cloud(motion), evidence.turns
+    return time_phase(points, turns, evidence.runs, frame_time=motion.frame_time)
+
+
+def _bvh(cycle: Cycle, packer: Packer) -> dict[str, Any]:
+    """Return the loop as the head of a BVH file and its rows of numbers."""
     from roundelay.formats import write
 
     with TemporaryDirectory() as folder:
         path = Path(folder) / "loop.bvh"
         write(cycle.sample(), path)
-        return path.read_text(encoding="utf-8")
+        lines = path.read_text(encoding="utf-8").splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time")) + 1
+    values = np.array([line.split() for line in lines[first:]], float)
+    # A thousandth of a degree, and of a hundredth of a body.
+    decimals = max(3, 5 - int(np.floor(np.log10(cycle.skeleton.size))))
+    return {
+        "head": "\n".join(lines[:first]),
+        "decimals": decimals,
+        "rows": packer.add_decimals(values, decimals),
+    }

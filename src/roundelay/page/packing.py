@@ -1,4 +1,4 @@
-"""Packing of the page's data: numbers to 16 bits, everything deflated into one text."""
+"""Packing of the page's data: numbers to 16 or 24 bits, everything deflated into one text."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Packer"]
 
+Array = NDArray[np.float64]
+
 _LEVELS = 65535
 
 
@@ -21,7 +23,8 @@ class Packer:
     An array becomes 16-bit steps within the range of each column, and the differences from one
     row to the next, which deflate well. Its place in the document is a reference::
 
-        {"at": byte offset, "rows": n, "low": [one a column], "step": [one a column]}
+        {"at": byte offset, "rows": n, "planes": bytes a number,
+         "low": [one a column], "step": [one a column]}
     """
 
     def __init__(self) -> None:
@@ -44,9 +47,29 @@ class Packer:
         width = table.max(axis=0) - low
         step = (np.full_like(width, width.max(initial=0.0)) if common_step else width) / _LEVELS
         step = np.where(step > 0.0, step, 1.0)
-        place = self._append(_coded(np.round((table - low) / step)))
-        rounded = [[float(f"{value:.8g}") for value in column] for column in (low, step)]
-        return {"at": place, "rows": len(table), "low": rounded[0], "step": rounded[1]}
+        return self._referenced(np.round((table - low) / step), low, step, planes=2)
+
+    def add_decimals(self, values: ArrayLike, decimals: int) -> dict[str, Any]:
+        """Add values (n, d) rounded to so many decimals, in 24 bits, and return the reference.
+
+        Raises
+        ------
+        ValueError
+            If a column's range does not fit.
+        """
+        levels = np.round(np.asarray(values, float) * 10.0**decimals)
+        low = levels.min(axis=0)
+        if np.any(levels - low >= 2**24):
+            raise ValueError(f"expected a range of less than {2**24 / 10**decimals:g}")
+        step = np.full_like(low, 10.0**-decimals)
+        return self._referenced(levels - low, low * step, step, planes=3)
+
+    def _referenced(self, levels: Array, low: Array, step: Array, *, planes: int) -> dict[str, Any]:
+        place = self._append(_coded(levels, planes))
+        reference: dict[str, Any] = {"at": place, "rows": len(levels), "planes": planes}
+        for name, column in {"low": low, "step": step}.items():
+            reference[name] = [float(f"{value:.8g}") for value in column]
+        return reference
 
     def _append(self, chunk: bytes) -> int:
         place = self._length
@@ -61,10 +84,13 @@ class Packer:
         return base64.b64encode(zlib.compress(whole, 9)).decode("ascii")
 
 
-def _coded(levels: NDArray[np.float64]) -> bytes:
-    """Code levels (n, d) in [0, 65535] column by column: differences, zigzag, low bytes first."""
+def _coded(levels: Array, planes: int) -> bytes:
+    """Code levels (n, d) column by column: differences, zigzag, a plane a byte, lowest first."""
+    half, whole = 2.0 ** (8 * planes - 1), 2.0 ** (8 * planes)
     first = np.zeros((1, levels.shape[1]))
     steps = np.diff(np.concatenate([first, levels]), axis=0)
-    steps = (steps + 32768.0) % 65536.0 - 32768.0
-    zigzag = np.where(steps < 0, -2 * steps - 1, 2 * steps).astype(np.uint16).T
-    return (zigzag & 0xFF).astype(np.uint8).tobytes() + (zigzag >> 8).astype(np.uint8).tobytes()
+    steps = (steps + half) % whole - half
+    zigzag = np.where(steps < 0, -2 * steps - 1, 2 * steps).astype(np.uint32).T
+    return b"".join(
+        (zigzag >> 8 * plane & 0xFF).astype(np.uint8).tobytes() for plane in range(planes)
+    )

@@ -23,6 +23,12 @@ def quality_rows(figures: Quality) -> list[tuple[str, str, str, str]]:
             "95 % of the capture, body sizes",
         ),
         (
+            "Slide of standing feet",
+            f"{figures.loop_skate:.3f}",
+            f"{figures.capture_skate:.3f}",
+            "the capture, body sizes a period",
+        ),
+        (
             "Mean jerk",
             f"{figures.loop_jerk:.0f} /s³",
             f"{figures.capture_jerk:.0f} /s³",

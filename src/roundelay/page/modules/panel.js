@@ -51,8 +51,17 @@ function fillQuality(motion) {
   }));
   const link = byId("save");
   URL.revokeObjectURL(link.href);
-  link.href = URL.createObjectURL(new Blob([motion.bvh], { type: "text/plain" }));
+  link.href = URL.createObjectURL(new Blob([bvhText(motion.bvh)], { type: "text/plain" }));
   link.download = motion.file;
+}
+
+function bvhText({ head, decimals, rows: { values, rows, columns } }) {
+  const lines = [head];
+  for (let row = 0; row < rows; row++) {
+    const numbers = values.subarray(row * columns, (row + 1) * columns);
+    lines.push(Array.from(numbers, (value) => value.toFixed(decimals)).join(" "));
+  }
+  return `${lines.join("\n")}\n`;
 }
 
 export function fillNotice(reason) {

@@ -1,4 +1,4 @@
-// The page's data: deflated, its arrays as 16-bit differences (see packing.py).
+// The page's data: deflated, its arrays as differences (see packing.py).
 
 export async function unpack(text) {
   const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -14,16 +14,17 @@ function isReference(value) {
 }
 
 // Rows of numbers, one after the other, as {values, rows, columns}.
-function table({ at, rows, low, step }, bytes, start) {
+function table({ at, rows, planes, low, step }, bytes, start) {
   const columns = low.length;
-  const values = new Float32Array(rows * columns);
-  const lows = start + at;
-  const highs = lows + rows * columns;
-  for (let column = 0, next = 0; column < columns; column++) {
+  const count = rows * columns;
+  const values = new Float32Array(count);
+  const mask = 2 ** (8 * planes) - 1;
+  for (let column = 0, next = start + at; column < columns; column++) {
     let level = 0;
     for (let row = 0; row < rows; row++, next++) {
-      const code = bytes[lows + next] | (bytes[highs + next] << 8);
-      level = (level + (code & 1 ? -(code + 1) / 2 : code / 2)) & 0xffff;
+      let code = 0;
+      for (let plane = 0; plane < planes; plane++) code |= bytes[next + plane * count] << (8 * plane);
+      level = (level + (code & 1 ? -(code + 1) / 2 : code / 2)) & mask;
       values[row * columns + column] = low[column] + level * step[column];
     }
   }

@@ -35,6 +35,7 @@ export function createActors(page) {
   function inStep(motion) {
     return {
       label: "Loop",
+      inStep: true,
       pose: (time) => laidOnCapture(motion, time),
       feet: (time) => motion.loop.standing(motion.loopPhase(time)),
       phase: coordinate,

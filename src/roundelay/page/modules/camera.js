@@ -3,6 +3,8 @@
 export class Camera {
   constructor() {
     this.target = [0, 0.45, 0];
+    // Farther away than the reader chose, to see the whole path.
+    this.back = 0;
     this.reset();
   }
 
@@ -31,7 +33,7 @@ export class Camera {
     return (x, y, z) => {
       const across = cosY * (x - tx) - sinY * (z - tz);
       const deep = sinY * (x - tx) + cosY * (z - tz);
-      const away = this.distance - (cosP * deep + sinP * (y - ty));
+      const away = this.distance + this.back - (cosP * deep + sinP * (y - ty));
       if (away < 0.05) return null;
       const scale = focal / away;
       return [cx + scale * across, cy - scale * (cosP * (y - ty) - sinP * deep), scale];

@@ -8,7 +8,7 @@ const GHOSTS = [-4, 4, -3, 3, -2, 2, -1, 1];
 
 export function createStage(canvas, camera, page) {
   const { capture, colours } = page;
-  const middle = boundingMiddle(capture.track);
+  const { middle, reach } = boundsOf(capture.track);
   const actors = createActors(page);
 
   function phaseColour(turns) {
@@ -21,6 +21,7 @@ export function createStage(canvas, camera, page) {
       const time = state.time + place * spacing;
       if (actor.ends && (time < 0 || time > capture.seconds)) continue;
       const turns = actor.phase(time, state);
+      if (actor.inStep && turns === null) continue;
       const colour = turns === null ? ink("pale") : phaseColour(turns);
       const look = { alpha: 0.6 - 0.11 * Math.abs(place), thin: 0.55 };
       drawSkeleton(context, project, actor.pose(time), capture.bones, () => colour, look);
@@ -33,8 +34,10 @@ export function createStage(canvas, camera, page) {
     const share = width / views.length;
     views.forEach((group, number) => {
       const poses = group.map((actor) => actor.pose(state.time));
-      const [x, , z] = state.follow || views.length > 1 || state.view === "loop" ? poses[0] : middle;
+      const still = !state.follow && views.length === 1 && state.view !== "loop";
+      const [x, , z] = still ? middle : poses[0];
       camera.target = [x, 0.45, z];
+      camera.back = still ? 1.3 * reach : 0;
       context.save();
       context.beginPath();
       context.rect(number * share, 0, share, height);
@@ -62,15 +65,18 @@ export function createStage(canvas, camera, page) {
   return { draw };
 }
 
-function boundingMiddle({ values, columns }) {
-  let [low, high] = [[Infinity, 0, Infinity], [-Infinity, 0, -Infinity]];
+// The middle of the root's path, and how far it reaches from there.
+function boundsOf({ values, columns }) {
+  const low = [Infinity, 0, Infinity];
+  const high = [-Infinity, 0, -Infinity];
   for (let i = 0; i < values.length; i += columns) {
     for (const axis of [0, 2]) {
       low[axis] = Math.min(low[axis], values[i + axis]);
       high[axis] = Math.max(high[axis], values[i + axis]);
     }
   }
-  return low.map((value, axis) => (value + high[axis]) / 2);
+  const middle = low.map((value, axis) => (value + high[axis]) / 2);
+  return { middle, reach: Math.hypot(high[0] - low[0], high[2] - low[2]) / 2 };
 }
 
 // A first view: across the way the body travels, and near enough to see it whole.

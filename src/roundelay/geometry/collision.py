@@ -1,0 +1,171 @@
+"""Limbs that may pass through each other: capsules along bones ([A] section 7).
+
+Each bone is a capsule, a segment with a radius. Two bones meet where their segments come nearer
+than their radii together. Bones near each other in the tree touch always and are left out, and
+so are those that meet at rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.geometry.contacts import stretches
+from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.skeleton import Skeleton
+
+__all__ = ["Collision", "collisions", "segment_distances"]
+
+Array = NDArray[np.float64]
+Segments = tuple[Array, Array]
+
+# Radius of a bone in its lengths, and at most in body sizes: about that of a forearm.
+_SLENDER, _THICKEST = 0.12, 0.02
+# Bones with fewer than so many joints between them are neighbours.
+_NEIGHBOURS = 2
+# A bone counts from this share of the body size on: no finger does.
+_SHORTEST = 0.04
+
+
+@dataclass(frozen=True)
+class Collision:
+    """Two bones that meet during some frames.
+
+    Attributes
+    ----------
+    bones : (str, str)
+        Names of the joints at whose end the bones lie (their lower ends).
+    start, stop : int
+        Half-open range of frames.
+    depth : float
+        How far the capsules are into each other at most, in the skeleton's length unit.
+    frame : int
+        The frame where they are.
+    """
+
+    bones: tuple[str, str]
+    start: int
+    stop: int
+    depth: float
+    frame: int
+
+
+def collisions(
+    skeleton: Skeleton,
+    rotations: Array,
+    *,
+    translations: Array | None = None,
+    thickness: float = 1.0,
+) -> list[Collision]:
+    """List the pairs of bones that meet, with the frames in which they do.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    rotations : (F, J, 4) ndarray
+        Local rotations.
+    translations : (F, J, 3) ndarray, optional
+        See `roundelay.geometry.kinematics.forward_kinematics`.
+    thickness : float
+        Factor of the radii, which are an eighth of a bone's length and at most 2 % of the
+        body size.
+
+    Returns
+    -------
+    list of Collision
+        In order of time; empty where nothing can meet.
+
+    Raises
+    ------
+    ValueError
+        If the thickness is not positive.
+    """
+    if not thickness > 0.0:
+        raise ValueError(f"expected a positive thickness, found {thickness:g}")
+    bones = _bones(skeleton)
+    radii = thickness * _radii(skeleton, bones)
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (1, skeleton.n_joints, 1))
+    rest, _ = forward_kinematics(skeleton, still)
+    places, _ = forward_kinematics(skeleton, rotations, translations=translations)
+    found = []
+    for first, second in _pairs(skeleton, bones):
+        reach = radii[first] + radii[second]
+        ends = [(skeleton.parents[bone], bone) for bone in (bones[first], bones[second])]
+        if _between(rest, ends)[0] < reach:
+            continue
+        names = (skeleton.names[bones[first]], skeleton.names[bones[second]])
+        found += _meetings(names, reach - _between(places, ends))
+    return sorted(found, key=lambda met: met.start)
+
+
+def _bones(skeleton: Skeleton) -> list[int]:
+    """Return the joints at the lower ends of bones that are long enough."""
+    lengths = np.linalg.norm(skeleton.offsets, axis=1)
+    least = _SHORTEST * skeleton.size
+    return [joint for joint in range(1, skeleton.n_joints) if lengths[joint] >= least]
+
+
+def _radii(skeleton: Skeleton, bones: list[int]) -> Array:
+    lengths = np.linalg.norm(skeleton.offsets[bones], axis=1)
+    return np.minimum(_SLENDER * lengths, _THICKEST * skeleton.size)
+
+
+def _pairs(skeleton: Skeleton, bones: list[int]) -> list[tuple[int, int]]:
+    """List the pairs of bones, as numbers in the list, that are no neighbours in the tree."""
+    above = [_ancestors(skeleton, bone) for bone in bones]
+    return [
+        (a, b)
+        for a in range(len(bones))
+        for b in range(a + 1, len(bones))
+        if _joints_between(above[a], above[b]) >= _NEIGHBOURS
+    ]
+
+
+def _ancestors(skeleton: Skeleton, joint: int) -> list[int]:
+    """Return a joint and those above it, the root last."""
+    chain = [joint]
+    while skeleton.parents[chain[-1]] >= 0:
+        chain.append(skeleton.parents[chain[-1]])
+    return chain
+
+
+def _joints_between(first: list[int], second: list[int]) -> int:
+    """Count the bones on the way from one bone to another, both left out."""
+    shared = len(set(first) & set(second))
+    apart = (len(first) - shared) + (len(second) - shared)
+    inline = first[0] in second or second[0] in first
+    return apart - (1 if inline else 2)
+
+
+def _between(places: Array, ends: list[tuple[int, int]]) -> Array:
+    (a, b), (c, d) = ends
+    return segment_distances((places[:, a], places[:, b]), (places[:, c], places[:, d]))
+
+
+def segment_distances(first: Segments, second: Segments) -> Array:
+    """Return the distances (n,) between segments, each given by its two ends (n, 3).
+
+    The nearest points of both lines, clamped to one segment and then to the other
+    (Ericson 2005, "Real-time collision detection", 5.1.9).
+    """
+    (p, p_end), (q, q_end) = first, second
+    u, v, w = p_end - p, q_end - q, p - q
+    a, e = np.sum(u * u, axis=-1), np.sum(v * v, axis=-1)
+    b, c, f = np.sum(u * v, axis=-1), np.sum(u * w, axis=-1), np.sum(v * w, axis=-1)
+    tiny = 1e-300
+    apart = a * e - b * b
+    parallel = apart <= 1e-12 * a * e
+    s = np.where(parallel, 0.0, np.clip((b * f - c * e) / np.where(parallel, 1.0, apart), 0, 1))
+    t = np.clip((b * s + f) / np.maximum(e, tiny), 0.0, 1.0)
+    s = np.clip((b * t - c) / np.maximum(a, tiny), 0.0, 1.0)
+    gap = w + s[..., None] * u - t[..., None] * v
+    return np.asarray(np.linalg.norm(gap, axis=-1))
+
+
+def _meetings(names: tuple[str, str], depth: Array) -> list[Collision]:
+    return [
+        Collision(names, a, b, float(depth[a:b].max()), a + int(depth[a:b].argmax()))
+        for a, b in stretches(depth > 0.0)
+    ]

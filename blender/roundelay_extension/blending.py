@@ -7,11 +7,9 @@ from typing import Any
 
 import bpy
 
-from roundelay.cycles.blend import blend
-from roundelay.cycles.cycle import Cycle
-from roundelay.errors import RoundelayError, SkeletonMismatch
-from roundelay.motion import Motion
+from roundelay import Cycle, Motion, RoundelayError, SkeletonMismatch, blend
 
+from .compat import Armature, Context, State
 from .extract import armatures_of
 from .loops import cycle_of_loop, loop_of
 from .reading import read_motion
@@ -31,12 +29,12 @@ class ROUNDELAY_OT_blend(bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def poll(cls, context: Context) -> bool:
         """Work needs an armature and two loops."""
         settings = context.scene.roundelay
         return bool(settings.blend_first and settings.blend_second and armatures_of(context))
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: Context) -> State:
         """Read both, blend and write."""
         settings = context.scene.roundelay
         try:
@@ -49,9 +47,7 @@ class ROUNDELAY_OT_blend(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _blended(
-    context: bpy.types.Context, armature: bpy.types.Object, weight: float
-) -> bpy.types.Action:
+def _blended(context: Context, armature: Armature, weight: float) -> bpy.types.Action:
     settings, scene = context.scene.roundelay, context.scene
     if armature.animation_data is None:
         raise SkeletonMismatch(f"{armature.name} has no action")

@@ -11,10 +11,15 @@ from typing import Any
 
 import bpy
 
+# What Blender's type stubs make optional in every part, and what operators return.
+Armature = Any
+Context = Any
+State = set[Any]
+
 _SLOTTED = bpy.app.version >= (4, 4, 0)
 
 
-def fcurves(data: bpy.types.AnimData) -> Iterable[Any]:
+def fcurves(data: Any) -> Iterable[Any]:
     """Return the curves by which an action drives its object."""
     if not _SLOTTED:
         return data.action.fcurves
@@ -33,7 +38,7 @@ def new_action(name: str, user: bpy.types.Object) -> tuple[bpy.types.Action, Any
         action.id_root = "OBJECT"
         return action, action
     slot = action.slots.new("OBJECT", user.name)
-    strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
+    strip: Any = action.layers.new("Layer").strips.new(type="KEYFRAME")
     return action, strip.channelbag(slot, ensure=True)
 
 
@@ -44,7 +49,7 @@ def new_fcurve(place: Any, path: str, index: int, group: str) -> bpy.types.FCurv
     return curve
 
 
-def assign(user: bpy.types.AnimData | bpy.types.NlaStrip, action: bpy.types.Action) -> None:
+def assign(user: Any, action: bpy.types.Action) -> None:
     """Let an action drive an object or an NLA strip."""
     user.action = action
     if _SLOTTED and user.action_slot is None and user.action_suitable_slots:

@@ -11,16 +11,22 @@ from typing import Any
 
 import bpy
 
+from roundelay import (
+    Cycle,
+    Motion,
+    Options,
+    Quality,
+    RoundelayError,
+    SkeletonMismatch,
+    find_cycles,
+    segment,
+)
 from roundelay.behaviours import cycles_in_segments
-from roundelay.cycles.cycle import Cycle
-from roundelay.errors import RoundelayError, SkeletonMismatch
 from roundelay.inspection import Inspection, inspect
-from roundelay.motion import Motion
-from roundelay.pipeline import Options, find_cycles
-from roundelay.quality import Quality, quality
-from roundelay.segmentation import segment
+from roundelay.quality import quality
 
 from . import plots
+from .compat import Armature, Context
 from .jobs import LongOperator, Progress, Steps, threaded
 from .loops import Chosen, cycles_by_hand, loop_of, options_of, subsampled
 from .reading import read_motion
@@ -39,7 +45,7 @@ class Capture:
     chosen: Chosen = field(default_factory=tuple)
 
 
-def armatures_of(context: bpy.types.Context) -> list[bpy.types.Object]:
+def armatures_of(context: Context) -> list[Armature]:
     """Return the armatures to work on: in Pose Mode those in it, else the selected ones."""
     if context.mode == "POSE":
         return [o for o in context.objects_in_mode if o.type == "ARMATURE"]
@@ -48,9 +54,7 @@ def armatures_of(context: bpy.types.Context) -> list[bpy.types.Object]:
     return selected or ([active] if active is not None and active.type == "ARMATURE" else [])
 
 
-def read_capture(
-    context: bpy.types.Context, armature: bpy.types.Object, settings: Any
-) -> Steps[Capture]:
+def read_capture(context: Context, armature: Armature, settings: Any) -> Steps[Capture]:
     """Read what an armature does in the chosen frames."""
     data = armature.animation_data
     if data is None or data.action is None:
@@ -79,7 +83,7 @@ def _frames(action: bpy.types.Action, settings: Any) -> range:
     return range(start, last + 1)
 
 
-def _chosen(settings: Any, armature: bpy.types.Object) -> Chosen:
+def _chosen(settings: Any, armature: Armature) -> Chosen:
     return [(c.motion, c.index) for c in settings.classes if c.chosen and c.armature == armature]
 
 
@@ -91,11 +95,11 @@ class ROUNDELAY_OT_extract(LongOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def poll(cls, context: Context) -> bool:
         """Work needs an armature, and no other work in progress."""
         return not cls.busy and bool(armatures_of(context))
 
-    def steps(self, context: bpy.types.Context) -> Steps[str]:
+    def steps(self, context: Context) -> Steps[str]:
         """Read, search and write, one armature after the other."""
         settings, made, faults = context.scene.roundelay, 0, []
         settings.loops.clear()
@@ -109,7 +113,7 @@ class ROUNDELAY_OT_extract(LongOperator, bpy.types.Operator):
         return "; ".join([f"Made {made} loop{'s' if made > 1 else ''}", *map(str, faults)])
 
 
-def _extract(context: bpy.types.Context, armature: bpy.types.Object, settings: Any) -> Steps[int]:
+def _extract(context: Context, armature: Armature, settings: Any) -> Steps[int]:
     capture = yield from read_capture(context, armature, settings)
     options = options_of(settings)
     render = context.scene.render
@@ -169,11 +173,11 @@ class ROUNDELAY_OT_inspect(LongOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def poll(cls, context: Context) -> bool:
         """Work needs an armature, and no other work in progress."""
         return not cls.busy and bool(armatures_of(context))
 
-    def steps(self, context: bpy.types.Context) -> Steps[str]:
+    def steps(self, context: Context) -> Steps[str]:
         """Read and inspect, one armature after the other."""
         settings = context.scene.roundelay
         settings.classes.clear()

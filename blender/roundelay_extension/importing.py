@@ -12,8 +12,10 @@ from bpy_extras.io_utils import ImportHelper
 
 import roundelay
 
+from .compat import Context, State
 
-class ROUNDELAY_OT_import_acclaim(ImportHelper, bpy.types.Operator):
+
+class ROUNDELAY_OT_import_acclaim(ImportHelper, bpy.types.Operator):  # type: ignore[misc]
     """Import an AMC capture; its ASF skeleton is found beside it."""
 
     bl_idname = "roundelay.import_acclaim"
@@ -28,9 +30,9 @@ class ROUNDELAY_OT_import_acclaim(ImportHelper, bpy.types.Operator):
         name="Scene's Frame Rate", description="Set the scene to the capture's rate", default=True
     )
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: Context) -> State:
         """Read, convert and import."""
-        path = Path(self.filepath)
+        path = Path(self.filepath)  # type: ignore[attr-defined]
         try:
             motion = roundelay.read(path, skeleton=self.skeleton or None)
         except (roundelay.RoundelayError, OSError) as error:
@@ -39,15 +41,16 @@ class ROUNDELAY_OT_import_acclaim(ImportHelper, bpy.types.Operator):
         with tempfile.TemporaryDirectory() as folder:
             converted = Path(folder) / f"{path.stem}.bvh"
             roundelay.write(motion, converted)
-            return bpy.ops.import_anim.bvh(
+            result: Any = bpy.ops.import_anim.bvh(
                 filepath=str(converted),
                 global_scale=self.global_scale,
                 update_scene_fps=self.keep_rate,
                 update_scene_duration=True,
             )
+        return result
 
 
-def menu_entry(menu: Any, context: bpy.types.Context) -> None:
+def menu_entry(menu: Any, context: Context) -> None:
     """Draw the entry of File > Import."""
     menu.layout.operator(ROUNDELAY_OT_import_acclaim.bl_idname, text="Acclaim capture (.amc)")
 

@@ -10,7 +10,9 @@ from typing import Any, ClassVar, TypeVar
 
 import bpy
 
-from roundelay.errors import RoundelayError
+from roundelay import RoundelayError
+
+from .compat import Context, State
 
 Result = TypeVar("Result")
 Steps = Generator[tuple[float, str], None, Result]
@@ -53,18 +55,18 @@ class LongOperator:
     _steps: Steps[str]
     _timer: Any = None
 
-    def steps(self, context: bpy.types.Context) -> Steps[str]:
+    def steps(self, context: Context) -> Steps[str]:
         """Do the work."""
         raise NotImplementedError
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: Context) -> State:
         """Do all of it at once."""
         self._steps = self.steps(context)
         while (state := self._advance(context)) is None:
             pass
         return state
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def invoke(self, context: Context, event: bpy.types.Event) -> State:
         """Start the slices."""
         if bpy.app.background:
             return self.execute(context)
@@ -74,7 +76,7 @@ class LongOperator:
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def modal(self, context: Context, event: bpy.types.Event) -> State:
         """Do one slice, or stop."""
         if event.type == "ESC":
             self.cancel(context)
@@ -84,12 +86,12 @@ class LongOperator:
         state = self._advance(context)
         return {"RUNNING_MODAL"} if state is None else state
 
-    def cancel(self, context: bpy.types.Context) -> None:
+    def cancel(self, context: Context) -> None:
         """Stop the work; Blender calls this, too, when it loads another file."""
         self._steps.close()
         self._finish(context, "Cancelled")
 
-    def _advance(self, context: bpy.types.Context) -> set[str] | None:
+    def _advance(self, context: Context) -> State | None:
         """Work for a slice; None as long as there is more."""
         until = time.monotonic() + _SLICE
         try:
@@ -105,18 +107,18 @@ class LongOperator:
             return {"CANCELLED"}
         return None
 
-    def _show(self, context: bpy.types.Context, fraction: float, text: str) -> None:
+    def _show(self, context: Context, fraction: float, text: str) -> None:
         settings = context.scene.roundelay
         settings.progress, settings.message = fraction, text
         _redraw(context)
 
-    def _finish(self, context: bpy.types.Context, message: str) -> None:
+    def _finish(self, context: Context, message: str) -> None:
         LongOperator.busy = False
         if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)
         self._show(context, 0.0, message)
 
 
-def _redraw(context: bpy.types.Context) -> None:
+def _redraw(context: Context) -> None:
     for area in context.screen.areas if context.screen else ():
         area.tag_redraw()

@@ -9,14 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from roundelay.cycles.cycle import Cycle
+from roundelay import Cycle, Evidence, Motion, NoPeriod, Options, TopologyOptions
 from roundelay.cycles.fitting import fit_cycle, time_phase
 from roundelay.cycles.harmonic import HarmonicCurve
-from roundelay.errors import NoPeriod
 from roundelay.inspection import inspect
-from roundelay.motion import Motion
-from roundelay.periodicity import Evidence, TopologyOptions
-from roundelay.pipeline import Options
 from roundelay.poses import point_cloud
 
 Chosen = Sequence[tuple[int, int]]

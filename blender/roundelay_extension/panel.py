@@ -3,22 +3,26 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
+from .compat import Context
 from .preview import counterpart
 
 
 class _Panel:
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
+    bl_space_type: Any = "VIEW_3D"
+    bl_region_type: Any = "UI"
     bl_category = "Roundelay"
+    layout: Any
 
 
 class _Folded(_Panel):
     bl_parent_id = "ROUNDELAY_PT_main"
-    bl_options = {"DEFAULT_CLOSED"}
+    bl_options: Any = {"DEFAULT_CLOSED"}
 
-    def column(self, context: bpy.types.Context) -> bpy.types.UILayout:
+    def column(self, context: Context) -> Any:
         """Return the place for properties, names to their left."""
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
@@ -30,7 +34,7 @@ class ROUNDELAY_PT_main(_Panel, bpy.types.Panel):
 
     bl_label = "Roundelay"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         """Draw."""
         layout, settings = self.layout, context.scene.roundelay
         layout.operator("roundelay.extract", icon="FILE_REFRESH")
@@ -45,19 +49,18 @@ class ROUNDELAY_PT_main(_Panel, bpy.types.Panel):
                 self._draw_loop(context, item)
         layout.operator("roundelay.toggle", text=self._toggle_text(context), icon="UV_SYNC_SELECT")
 
-    def _draw_loop(self, context: bpy.types.Context, item: bpy.types.PropertyGroup) -> None:
+    def _draw_loop(self, context: Context, item: Any) -> None:
         box = self.layout.box()
         box.operator("roundelay.show", text=item.action.name).action = item.action.name
         box.label(text=f"{item.period:.2f} s, {item.repetitions:.1f} times seen")
         box.label(text=f"{item.confidence:.0%} sure")
         box.label(text=f"Seam {item.seam:.1f}\u00b0, steps up to {item.step:.1f}\u00b0")
 
-    def _toggle_text(self, context: bpy.types.Context) -> str:
+    def _toggle_text(self, context: Context) -> str:
         armature = context.active_object
         data = armature.animation_data if armature is not None else None
-        if data is None or counterpart(data.action) is None:
-            return "Capture / Loop"
-        return f"Show {counterpart(data.action).name}"
+        other = counterpart(data.action) if data is not None else None
+        return "Capture / Loop" if other is None else f"Show {other.name}"
 
 
 class ROUNDELAY_PT_frames(_Folded, bpy.types.Panel):
@@ -65,7 +68,7 @@ class ROUNDELAY_PT_frames(_Folded, bpy.types.Panel):
 
     bl_label = "Frames"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         """Draw."""
         column, settings = self.column(context), context.scene.roundelay
         column.prop(settings, "subsample")
@@ -82,7 +85,7 @@ class ROUNDELAY_PT_loop(_Folded, bpy.types.Panel):
 
     bl_label = "Loop"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         """Draw."""
         column, settings = self.column(context), context.scene.roundelay
         for name in ("most", "start_phase", "key_step", "foot_lock", "mirror", "use_strip"):
@@ -100,7 +103,7 @@ class ROUNDELAY_PT_classes(_Folded, bpy.types.Panel):
 
     bl_label = "Classes"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         """Draw."""
         settings = context.scene.roundelay
         self.layout.operator("roundelay.inspect")
@@ -117,7 +120,7 @@ class ROUNDELAY_PT_advanced(_Folded, bpy.types.Panel):
 
     bl_label = "Advanced"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         """Draw."""
         column, settings = self.column(context), context.scene.roundelay
         for name in ("scale", "prime", "harmonics", "travel_harmonics", "use_delay"):
@@ -136,7 +139,7 @@ class ROUNDELAY_PT_behaviours(_Folded, bpy.types.Panel):
 
     bl_label = "Behaviours"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         """Draw."""
         column, settings = self.column(context), context.scene.roundelay
         column.prop(settings, "sensitivity")
@@ -150,7 +153,7 @@ class ROUNDELAY_PT_blend(_Folded, bpy.types.Panel):
 
     bl_label = "Blend"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         """Draw."""
         column, settings = self.column(context), context.scene.roundelay
         column.prop(settings, "blend_first")

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.cycles.cycle import Cycle
-from roundelay.motion import Motion
+from roundelay import Cycle, Motion
 from roundelay.poses import point_cloud, principal_components
 
 _SIZE, _MARGIN = 600, 30

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 
+from .compat import Context, State
 from .extract import armatures_of
 from .writing import SOURCE, show
 
@@ -27,14 +28,14 @@ class ROUNDELAY_OT_toggle(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def poll(cls, context: Context) -> bool:
         """There must be a counterpart."""
         return any(
             armature.animation_data and counterpart(armature.animation_data.action)
             for armature in armatures_of(context)
         )
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: Context) -> State:
         """Swap the actions."""
         for armature in armatures_of(context):
             data = armature.animation_data
@@ -53,7 +54,7 @@ class ROUNDELAY_OT_show(bpy.types.Operator):
 
     action: bpy.props.StringProperty()
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: Context) -> State:
         """Assign the action to the armatures that have its capture or one of its loops."""
         chosen = bpy.data.actions[self.action]
         for armature in armatures_of(context):

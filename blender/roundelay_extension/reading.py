@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay import Motion
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
 
 from . import compat
 from .rig import Rig

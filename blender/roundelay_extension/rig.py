@@ -15,13 +15,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.errors import SkeletonMismatch
+from roundelay import Motion, Skeleton, SkeletonMismatch
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
-from roundelay.motion import Motion
-from roundelay.skeleton import Skeleton
 
 from . import compat
+from .compat import Armature, State
 
 Array = NDArray[np.float64]
 
@@ -46,7 +45,7 @@ class Rig:
         The axis that points up in the world.
     """
 
-    armature: bpy.types.Object
+    armature: Armature
     bones: tuple[bpy.types.PoseBone, ...]
     keyed: NDArray[np.bool_]
     skeleton: Skeleton
@@ -95,7 +94,7 @@ class Rig:
         )
 
 
-def rig_of(armature: bpy.types.Object, chosen: Collection[str] | None = None) -> Rig:
+def rig_of(armature: Armature, chosen: Collection[str] | None = None) -> Rig:
     """Collect the animated bones of an armature with all that hangs on them.
 
     Parameters
@@ -128,7 +127,7 @@ def rig_of(armature: bpy.types.Object, chosen: Collection[str] | None = None) ->
     return Rig(armature, bones, keyed, _skeleton(bones, tips), rest, _up_axis(armature, root))
 
 
-def animated_bones(armature: bpy.types.Object) -> set[str]:
+def animated_bones(armature: Armature) -> State:
     """Name the bones that curves or constraints move."""
     moving = {bone.name for bone in armature.pose.bones if any(c.enabled for c in bone.constraints)}
     for curve in compat.fcurves(armature.animation_data):
@@ -138,7 +137,7 @@ def animated_bones(armature: bpy.types.Object) -> set[str]:
     return moving
 
 
-def _travels(armature: bpy.types.Object, bone: Any) -> bool:
+def _travels(armature: Armature, bone: Any) -> bool:
     """Tell whether a bone changes place by itself, as the root of a body does."""
     if any(constraint.enabled for constraint in bone.constraints):
         return True
@@ -150,7 +149,7 @@ def _travels(armature: bpy.types.Object, bone: Any) -> bool:
 def _varies(curve: Any) -> bool:
     points = np.empty(2 * len(curve.keyframe_points), np.float32)
     curve.keyframe_points.foreach_get("co", points)
-    return len(points) == 0 or np.ptp(points[1::2]) > 0.0
+    return len(points) == 0 or bool(np.ptp(points[1::2]) > 0.0)
 
 
 def _main_root(moving: Sequence[Any]) -> Any:
@@ -191,7 +190,7 @@ def _span(bone: Any) -> Array:
     return np.array(bone.bone.tail_local - bone.bone.head_local)
 
 
-def _up_axis(armature: bpy.types.Object, root: Any) -> int:
+def _up_axis(armature: Armature, root: Any) -> int:
     """Return the axis nearest to the world's up, in the armature with the root's parent at rest."""
     turn = armature.matrix_world.to_3x3()
     if root.parent is not None:

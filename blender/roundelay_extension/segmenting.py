@@ -8,11 +8,12 @@ from typing import Any
 
 import bpy
 
+from roundelay import Motion, Segmentation, segment
 from roundelay.behaviours import with_periods
-from roundelay.motion import Motion
-from roundelay.segmentation import Segment, Segmentation, segment
+from roundelay.segmentation import Segment
 
 from . import compat
+from .compat import Context, State
 from .extract import Capture, armatures_of, read_capture
 from .jobs import LongOperator, Progress, Steps, threaded
 
@@ -25,11 +26,11 @@ class ROUNDELAY_OT_segment(LongOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def poll(cls, context: Context) -> bool:
         """Work needs an armature, and no other work in progress."""
         return not cls.busy and bool(armatures_of(context))
 
-    def steps(self, context: bpy.types.Context) -> Steps[str]:
+    def steps(self, context: Context) -> Steps[str]:
         """Read, cut and mark."""
         settings, count = context.scene.roundelay, 0
         for armature in armatures_of(context):
@@ -79,7 +80,7 @@ class ROUNDELAY_OT_frames_from_markers(bpy.types.Operator):
     bl_label = "Range from Markers"
     bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: Context) -> State:
         """Set the frame range."""
         scene, settings = context.scene, context.scene.roundelay
         frames = sorted(marker.frame for marker in scene.timeline_markers)

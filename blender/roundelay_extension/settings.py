@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -151,11 +153,12 @@ def register() -> None:
     """Attach the settings to scenes."""
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    bpy.types.Scene.roundelay = PointerProperty(type=Settings)
+    scenes: Any = bpy.types.Scene
+    scenes.roundelay = PointerProperty(type=Settings)  # type: ignore[func-returns-value]
 
 
 def unregister() -> None:
     """Take the settings off."""
-    del bpy.types.Scene.roundelay
+    delattr(bpy.types.Scene, "roundelay")
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -11,10 +11,11 @@ import numpy as np
 from mathutils import Quaternion
 from numpy.typing import NDArray
 
+from roundelay import Motion
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
 
 from . import compat
+from .compat import Armature
 from .rig import Rig
 
 Array = NDArray[np.float64]
@@ -97,13 +98,13 @@ def _add(
         points.foreach_set("interpolation", [_BEZIER if smooth else _LINEAR] * count)
         for side in ("handle_left_type", "handle_right_type"):
             points.foreach_set(side, [_AUTO_CLAMPED] * count)
-        modifier = curve.modifiers.new("CYCLES")
+        modifier: Any = curve.modifiers.new("CYCLES")
         onward = travels or (name == "rotation_euler" and column[0] != column[-1])
         modifier.mode_before = modifier.mode_after = "REPEAT_OFFSET" if onward else "REPEAT"
         curve.update()
 
 
-def add_strip(armature: bpy.types.Object, action: bpy.types.Action, repeat: float) -> None:
+def add_strip(armature: Armature, action: bpy.types.Action, repeat: float) -> None:
     """Put a loop on an NLA track of its own, repeated."""
     track = armature.animation_data.nla_tracks.new()
     track.name, track.mute = action.name, True
@@ -113,6 +114,6 @@ def add_strip(armature: bpy.types.Object, action: bpy.types.Action, repeat: floa
     strip.repeat = repeat
 
 
-def show(armature: bpy.types.Object, action: bpy.types.Action) -> None:
+def show(armature: Armature, action: bpy.types.Action) -> None:
     """Let an action drive an armature."""
     compat.assign(armature.animation_data, action)

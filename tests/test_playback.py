@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -33,6 +35,17 @@ def test_feet_of_a_real_jump_stand_in_its_frames(jump_cycles):
     for stands in told.values():
         assert stands
         assert all(0 <= a < count and a < b <= a + count for a, b in stands)
+
+
+def test_bones_that_meet_are_told(walk):
+    assert playback_record(walk)["collisions"] == []
+    # Legs that go out to their sides cross once the sides are exchanged.
+    jacks = rl.find_cycles(synth.gait("jacks").motion)[0]
+    exchanged = replace(jacks.skeleton, offsets=jacks.skeleton.offsets * [-1.0, 1.0, 1.0])
+    told = playback_record(replace(jacks, skeleton=exchanged))["collisions"]
+    assert ["LeftLeg", "RightLeg"] in [one["bones"] for one in told]
+    for one in told:
+        assert one["frames"][0] <= one["deepest"] < one["frames"][1]
 
 
 @pytest.mark.parametrize(

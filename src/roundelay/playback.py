@@ -1,4 +1,4 @@
-"""What an engine needs to play a loop: root motion, phase markers and foot contacts as data."""
+"""What an engine needs to play a loop: root motion, phase markers, contacts, collisions as data."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.cycles.cycle import Cycle
+from roundelay.geometry.collision import collisions
 from roundelay.geometry.contacts import contacts, find_feet, foot_points, stretches
 from roundelay.geometry.kinematics import forward_kinematics
 
@@ -42,7 +43,8 @@ def playback_record(
         period: displacement in the skeleton's unit, turning in degrees, whether it is in the
         file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by its joint,
         of half-open ranges of frames in which it stands, the second number beyond the period
-        where it stands across the seam.
+        where it stands across the seam; ``collisions``: pairs of bones, by the joints at their
+        lower ends, that may pass through each other in one period, with the frames.
     """
     rate = cycle.fps if fps is None else fps
     count = max(1, round(cycle.period * rate))
@@ -61,7 +63,22 @@ def playback_record(
         },
         "markers": [{"phase": phase, "frame": frame} for phase, frame in markers],
         "contacts": foot_contacts(cycle, rate),
+        "collisions": _collisions(cycle, count),
     }
+
+
+def _collisions(cycle: Cycle, count: int) -> list[dict[str, Any]]:
+    period = cycle.at(np.arange(count) / count, frame_time=1.0)
+    met = collisions(cycle.skeleton, period.rotations, translations=period.translations)
+    return [
+        {
+            "bones": list(one.bones),
+            "frames": [one.start, one.stop],
+            "deepest": one.frame,
+            "depth": one.depth,
+        }
+        for one in met
+    ]
 
 
 def foot_contacts(cycle: Cycle, fps: float) -> dict[str, list[list[int]]]:

@@ -242,3 +242,14 @@ def _print_summary(record: dict[str, Any], folder: Path) -> None:
             f"{figures['seam_rotation']:.1f} deg (largest step elsewhere "
             f"{figures['step_rotation']:.1f}), template error {figures['template_error']:.2f} rad"
         )
+        _print_collisions(cycle["playback"]["collisions"])
+
+
+def _print_collisions(met: list[dict[str, Any]]) -> None:
+    """Say which bones may pass through each other, a line a pair."""
+    pairs: dict[str, list[str]] = {}
+    for one in met:
+        start, stop = one["frames"]
+        pairs.setdefault(" and ".join(one["bones"]), []).append(f"{start}-{stop}")
+    for bones, frames in pairs.items():
+        typer.echo(f"    {bones} may touch in frames {', '.join(frames)}")

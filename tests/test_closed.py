@@ -52,3 +52,17 @@ def test_standing_still_is_no_loop() -> None:
 def test_too_few_frames_are_too_short() -> None:
     with pytest.raises(TooShort, match="8 frames"):
         find_cycles(synth.gait("walk").motion[:7])
+
+
+def test_arms_decide_where_other_joints_do_not_repeat() -> None:
+    """Boxing: the punches repeat, legs and trunk wander."""
+    made = synth.gait("punch", repetitions=4.0)
+    wandering = synth.wander(len(made.motion) / 120.0).motion
+    arms = [j for j, name in enumerate(made.motion.skeleton.names) if "Arm" in name]
+    rotations = wandering.rotations.copy()
+    rotations[:, arms] = made.motion.rotations[:, arms]
+    mixed = Motion(made.motion.skeleton, rotations, wandering.root_path, 1 / 120)
+    cycle = find_cycles(mixed)[0]
+    assert cycle.period == pytest.approx(made.period, rel=0.03)
+    with pytest.raises(NoPeriod):
+        find_cycles(wandering)

@@ -26,6 +26,7 @@ from roundelay.cycles.fitting import fit_cycle
 from roundelay.cycles.tempo import time_phase
 from roundelay.detection import Part, candidate_parts, leading_rest_pose, recurring_groups
 from roundelay.errors import LiftError, NoPeriod, TooShort
+from roundelay.geometry.contacts import free_limbs
 from roundelay.motion import Motion
 from roundelay.periodicity import Evidence, measure, without_pauses
 from roundelay.poses import Features, point_cloud
@@ -35,6 +36,9 @@ from roundelay.timing import Run
 __all__ = ["Options", "find_cycles", "find_periodic"]
 
 Array = NDArray[np.float64]
+
+# Where arms alone decide, their loop must stand out this much from the next.
+_PROMINENT_ARMS = 4.0
 Method = Literal["harmonic", "centroid"]
 Weights = Literal["none", "length", "mass"]
 
@@ -109,7 +113,10 @@ def find_cycles(
     if options.method not in get_args(Method):
         raise ValueError(f"expected a method among {get_args(Method)}, found {options.method!r}")
     points = _points(motion, options)
-    found = find_periodic(motion, options, points=points, progress=progress)
+    try:
+        found = find_periodic(motion, options, points=points, progress=progress)
+    except NoPeriod as refusal:
+        found, points = _by_arms(motion, options, refusal, progress)
     cycles = []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
@@ -120,6 +127,27 @@ def find_cycles(
         cycles.append(centroid_cycle(cycle, motion) if options.method == "centroid" else cycle)
     report(progress, 1.0, "done")
     return cycles
+
+
+def _by_arms(
+    motion: Motion, options: Options, refusal: NoPeriod, progress: Progress | None
+) -> tuple[list[Evidence], Array]:
+    """Look at the arms alone where all joints together show no period.
+
+    A few bones that do not repeat can hide those that do, as in boxing ([C] ch. 7).
+    """
+    limbs = free_limbs(motion.skeleton, motion.positions(), motion.up)
+    if options.joints is not None or not limbs:
+        raise refusal
+    points = point_cloud(motion, options.features, joints=limbs)
+    try:
+        found = find_periodic(motion, options, points=points, progress=progress)
+    except NoPeriod:
+        raise refusal from None
+    sure = [e for e in found if not e.closed and e.prominence >= _PROMINENT_ARMS]
+    if not sure:
+        raise refusal
+    return sure, points
 
 
 def _phase(points: Array, evidence: Evidence, frame_time: float) -> Array:

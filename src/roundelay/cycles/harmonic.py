@@ -144,7 +144,7 @@ def crossfade_weights(turns: ArrayLike, runs: list[tuple[int, int]]) -> Array:
             weights[start:stop] = 1.0
             continue
         # Where more is seen twice, as much as possible counts in full.
-        fade = np.clip(length - 1.0, 0.05, 0.15)
+        fade = np.clip(length - 1.0, 0.05, 0.1)
         ramp = np.clip(np.minimum(made, length - made) / fade, 0.0, 1.0)
         weights[start:stop] = ramp * ramp * (3.0 - 2.0 * ramp)
     return np.maximum(weights, 1e-6 * (weights > 0))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from roundelay.geometry import rotations as rot
 from roundelay.skeleton import Skeleton
 
-__all__ = ["Foot", "contacts", "find_feet", "foot_points", "skate"]
+__all__ = ["Foot", "contacts", "find_feet", "foot_points", "free_limbs", "skate"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -20,6 +20,8 @@ _NAMES = ("foot", "toe", "ankle", "hoof", "paw")
 _LOW = 0.06
 # Shorter limbs, in body sizes, are fingers and toes: no joint branches for them.
 _LIMB = 0.12
+# Longer ones are arms and legs, not neck and head.
+_LONG = 0.22
 # Body sizes and sizes a second: a contact begins below the first and ends above the second.
 _HEIGHT, _SPEED = (0.025, 0.04), (0.2, 0.4)
 # Seconds to either side over which speed is taken; shorter contacts and gaps are none.
@@ -77,6 +79,21 @@ def find_feet(skeleton: Skeleton, positions: Array, up: int) -> tuple[Foot, ...]
             foot = _foot(skeleton, limb)
             found.setdefault(foot.ankle, foot)
     return tuple(found.values())
+
+
+def free_limbs(skeleton: Skeleton, positions: Array, up: int) -> list[int]:
+    """Return the joints of long limbs that are no legs: the arms of a person.
+
+    Arguments as for `find_feet`.
+    """
+    legs = {foot.hip for foot in find_feet(skeleton, positions, up)}
+    lengths = np.linalg.norm(skeleton.offsets, axis=1)
+    found: set[int] = set()
+    for leaf in sorted(set(range(skeleton.n_joints)) - set(skeleton.parents)):
+        limb = _limb(skeleton, leaf)
+        if legs.isdisjoint(limb) and lengths[limb[1:]].sum() > _LONG * skeleton.size:
+            found.update(limb)
+    return sorted(found)
 
 
 def _limb(skeleton: Skeleton, leaf: int) -> list[int]:

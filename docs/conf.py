@@ -32,7 +32,7 @@ numpydoc_show_class_members = False
 default_role = "py:obj"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
-exclude_patterns = ["_made/benchmarks.md"]
+exclude_patterns = ["_made/benchmarks.md", "_made/tree.md"]
 html_theme = "furo"
 html_title = "roundelay"
 html_static_path: list[str] = []
@@ -51,11 +51,18 @@ def setup(app: Any) -> None:
     app.add_html_math_renderer(
         "mathml", inline_renderers=(_inline_formula, None), block_renderers=(_formula, None)
     )
+    app.connect("autodoc-process-docstring", _plain_bars, priority=400)
     made = HERE / "_made"
     made.mkdir(exist_ok=True)
     (made / ".gitignore").write_text("*\n")
     app.connect("builder-inited", lambda _: _gallery(made))
     app.connect("builder-inited", lambda _: _benchmarks(made))
+    app.connect("builder-inited", lambda _: _tree(made))
+
+
+def _plain_bars(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+    """Let |x| in docstrings be a norm, not a substitution."""
+    lines[:] = [line if "``" in line else line.replace("|", r"\|") for line in lines]
 
 
 def _inline_formula(translator: Any, node: Any) -> None:
@@ -108,3 +115,18 @@ def _benchmarks(made: Path) -> None:
         if f"python -m benchmarks.{path.stem}" in text:
             pages += [f"## {path.stem}", "```text", text, "```", ""]
     (made / "benchmarks.md").write_text("\n".join(pages))
+
+
+def _tree(made: Path) -> None:
+    """List the modules with the first line of what each says of itself."""
+    package, rows = ROOT / "src" / "roundelay", []
+    for path in sorted(package.rglob("*.py"), key=_folders_last):
+        line = (ast.get_docstring(ast.parse(path.read_text())) or "").partition("\n")[0]
+        if path.name != "__init__.py" and line:
+            rows.append(f"| `{path.relative_to(package)}` | {line.replace('``', '`')} |")
+    (made / "tree.md").write_text("\n".join(["| module | |", "|---|---|", *rows, ""]))
+
+
+def _folders_last(path: Path) -> tuple[str, str]:
+    inside = path.relative_to(ROOT / "src" / "roundelay")
+    return (str(inside.parent) if len(inside.parts) > 1 else "", inside.name)

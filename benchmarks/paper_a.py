@@ -2,10 +2,10 @@
 
 Usage: python -m benchmarks.paper_a --data FOLDER [--json]
 
-- ``rows``: captures of table 1 and figures 7, 9, 10, 11: bars, classes, excitation regions and
-  parts, with the times of [A] (its cohomology alone) beside ours (all of it). A behaviour that
-  [A] tells of counts as found if some class makes .8 turns in its frames, with half of the
-  variation of its regions there.
+- ``rows``: captures of table 1 and figures 7, 9, 10, 11: bars, classes, excitation regions, and
+  the parts found by `find_cycles` and by `find_gestures`, with the times of [A] (its cohomology
+  alone) beside ours (all of it). A behaviour that [A] tells of counts as found if some class
+  makes .8 turns in its frames, with half of the variation of its regions there.
 - ``concatenations``: three captures end to end, 20 times by a seeded choice. A part is back if its
   ends are within .5 s and its period within 5 % of what is found in its capture alone.
 - ``blends``: a walk and a run at 11 weights; a transition between them.
@@ -30,6 +30,7 @@ from roundelay.excitation import Excitation, excitations
 from roundelay.geometry import contacts
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.gestures import find_gestures
 from roundelay.poses import point_cloud
 from roundelay.quality import quality
 
@@ -53,8 +54,10 @@ def row(data: Path, name: str, paper: Row) -> dict[str, Any]:
     found: dict[str, Any] = {"capture": name, "frames": len(motion), "[A]": paper.figures()}
     for metric in METRICS:
         found[metric] = _classes(motion, metric, paper)
-    parts, cpu, wall = timed(lambda: parts_of(motion))
-    found["parts"], found["parts_seconds"] = parts, {"cpu": round(cpu, 3), "wall": round(wall, 3)}
+    for what, finder in (("parts", rl.find_cycles), ("gestures", find_gestures)):
+        parts, cpu, wall = timed(lambda finder=finder: parts_of(motion, finder))
+        found[what] = parts
+        found[f"{what}_seconds"] = {"cpu": round(cpu, 3), "wall": round(wall, 3)}
     return found
 
 
@@ -101,9 +104,11 @@ def _share(excited: Excitation, frames: tuple[tuple[int, int], ...]) -> tuple[fl
     return (round(here, 2) if share >= 0.5 else 0.0, round(share, 2))
 
 
-def parts_of(motion: rl.Motion) -> list[dict[str, Any]] | str:
+def parts_of(
+    motion: rl.Motion, finder: Callable[[rl.Motion], list[rl.Cycle]] = rl.find_cycles
+) -> list[dict[str, Any]] | str:
     try:
-        cycles = rl.find_cycles(motion)
+        cycles = finder(motion)
     except rl.NoPeriod as refusal:
         return str(refusal)
     return [
@@ -261,7 +266,10 @@ def _table(result: dict[str, Any]) -> str:
             lines.append(
                 f"  {metric}: {found['n_classes']} classes in {found['seconds']['cpu']} s; {told}"
             )
-        lines.append(f"  parts in {one['parts_seconds']['cpu']} s: {one['parts']}")
+        lines += [
+            f"  {what} in {one[f'{what}_seconds']['cpu']} s: {one[what]}"
+            for what in ("parts", "gestures")
+        ]
     joined, mixed = result["concatenations"], result["blends"]
     lines.append(f"concatenations: {joined['back']} of {joined['parts']} parts back")
     lines += [str(r) for r in mixed["rows"]]

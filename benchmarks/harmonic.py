@@ -15,8 +15,9 @@ the faithful models and for the default:
   is no repeated stride as a whole.
 
 The loop of the default is its frames (a whole number a period, repeated) before the foot lock,
-which is measured beside it. Poses put before a capture (a T-pose, or frames before a jump of a
-limb in the first few) are left out for all.
+which is measured beside it. The default searches whole captures, boxing too, where *own* is its
+figure. Poses put before a capture (a T-pose, or frames before a jump of a limb in the first few)
+are left out for all. `benchmarks.harmonic_pictures` draws the rows where [C] fails.
 """
 
 from __future__ import annotations
@@ -34,14 +35,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import roundelay
+from benchmarks.harmonic_metrics import composed, errors, euler_angles
 from benchmarks.raunio_tables import PUBLISHED, SCALE, Published
 from roundelay import pipeline
 from roundelay.cycles import paper
 from roundelay.cycles.fitting import fit_cycle
 from roundelay.cycles.tempo import time_phase
 from roundelay.detection import candidate_parts
-from roundelay.formats.acclaim import AcclaimLayout
-from roundelay.formats.euler import decompose
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion
 from roundelay.periodicity import measure as measure_runs
@@ -83,73 +83,6 @@ def load(path: Path, frames: tuple[int, int] | None) -> Motion:
     return motion[int(jumps[-1]) + 1 :] if len(jumps) else motion
 
 
-def euler_angles(motion: Motion, rotations: Array) -> Array:
-    """Return the file's channels (F, J, 3) in radians, unwrapped; three for every joint.
-
-    In the order of a BVH's channels; of ASF/AMC about the bone's own axes, rx ry rz, as [C]'s
-    figures are reproduced best. A loop may leave the channels a bone has: all three count.
-    """
-    layout = motion.skeleton.layout
-    if isinstance(layout, AcclaimLayout):
-        axes = layout.local_axes()
-        rotations = rot.multiply(rot.conjugate(axes), rot.multiply(rotations, axes))
-        return np.radians(decompose(rotations, "ZYX", "continuous"))
-    result = np.zeros((*rotations.shape[:2], 3))
-    for order in set(layout.orders):
-        joints = [joint for joint, other in enumerate(layout.orders) if other == order]
-        angles = decompose(rotations[:, joints], order, "continuous")
-        result[:, joints, : len(order)] = np.radians(angles)
-    return result
-
-
-def euler_squares(capture: Array, loop: Array) -> Array:
-    """Return squared distances (M, N, J) of Euler angles, over equivalent triples the least."""
-    best = np.full((len(capture), len(loop), capture.shape[1]), np.inf)
-    for triple in (loop, loop * (1.0, -1.0, 1.0) + np.pi):
-        apart = capture[:, None] - triple
-        apart -= 2 * np.pi * np.round(apart / (2 * np.pi))
-        best = np.minimum(best, np.einsum("mnjk,mnjk->mnj", apart, apart))
-    return best
-
-
-def rotation_squares(capture: Array, loop: Array) -> Array:
-    """Return squared angles of rotation (M, N, J)."""
-    cosine = np.abs(np.einsum("mjk,njk->mnj", capture, loop))
-    return (2.0 * np.arccos(np.minimum(cosine, 1.0))) ** 2
-
-
-def matched(squares: Array, *, root: bool) -> float:
-    """Lay a repeated loop against a capture: [C] eq. 4.4, 4.5 on squared distances (M, N, J)."""
-    apart = np.sqrt(squares[:, :, 0 if root else 1 :].sum(axis=2))
-    where, size = np.arange(len(apart)), apart.shape[1]
-    rows = [apart[where, (where + n) % size] for n in range(size)]
-    best = min(rows, key=lambda row: float(row.sum()))
-    return float(np.sqrt(np.mean(best**2)))
-
-
-def _composed(motion: Motion, angles: Array) -> Array:
-    """Return rotations (F, J, 4) of angles as `euler_angles` gives them."""
-    layout = motion.skeleton.layout
-    if isinstance(layout, AcclaimLayout):
-        axes = layout.local_axes()
-        own = rot.from_euler(angles, "ZYX")
-        return rot.multiply(axes, rot.multiply(own, rot.conjugate(axes)))
-    turned = rot.identity(*angles.shape[:2])
-    for joint, order in enumerate(layout.orders):
-        turned[:, joint] = rot.from_euler(angles[:, joint, : len(order)], order)
-    return turned
-
-
-def errors(motion: Motion, loop: Array) -> dict[str, float]:
-    """Measure a loop of rotations (N, J, 4) by both metrics."""
-    euler = euler_squares(euler_angles(motion, motion.rotations), euler_angles(motion, loop))
-    turned = rotation_squares(motion.rotations, loop)
-    return {
-        "channels": matched(euler, root=True),
-        "rotation": matched(turned, root=False),
-    }
-
-
 def faithful(motion: Motion, row: Published) -> dict[str, dict[str, Any]]:
     """Run M1, M2 and M3 with the settings of the tables."""
     angles = euler_angles(motion, motion.rotations)
@@ -157,12 +90,12 @@ def faithful(motion: Motion, row: Published) -> dict[str, dict[str, Any]]:
     for model in ("M1", "M2", "M3"):
         options = paper.PaperOptions(model=model, scale=SCALE[row.kind])
         try:
-            found = _with_primes(angles.reshape(len(motion), -1), options)
+            found = with_primes(angles.reshape(len(motion), -1), options)
         except roundelay.RoundelayError as error:
             results[model] = {"failed": str(error)}
             continue
         loop = found.sample().reshape(-1, *angles.shape[1:])
-        turned = _composed(motion, loop)
+        turned = composed(motion, loop)
         results[model] = {
             **errors(motion, turned),
             "plain": paper.template_error(angles.reshape(len(motion), -1), found.sample())[0],
@@ -172,7 +105,7 @@ def faithful(motion: Motion, row: Published) -> dict[str, dict[str, Any]]:
     return results
 
 
-def _with_primes(values: Array, options: paper.PaperOptions) -> paper.PaperCycle:
+def with_primes(values: Array, options: paper.PaperOptions) -> paper.PaperCycle:
     """Try another prime if the class does not lift, as [C] advises its user."""
     for prime in (options.prime, 11, 23):
         try:
@@ -214,7 +147,9 @@ def measure(data: Path, only: Sequence[str], *, with_paper: bool) -> list[Row]:
             continue
         motion = load(path, row.frames)
         old = faithful(motion, row) if with_paper else {}
-        rows.append(Row(row, len(motion), old, default(motion)))
+        # The windows of table C.1 hold about one punch: two are needed to know the period.
+        whole = motion if row.frames is None else load(path, None)
+        rows.append(Row(row, len(motion), old, default(whole)))
     return rows
 
 

@@ -31,6 +31,7 @@ _CLIMB = 0.05
 # A joint keeps to one side of its mean if all but a twentieth of its poses lie within 145
 # degrees of it, where this is the cosine of half the angle.
 _ONE_SIDE, _GLITCHES = 0.3, 0.05
+_BESIDE = 3
 # It jumps if it turns by more than 60 degrees from a frame to the next: cosine of the half.
 _JUMP = 0.866
 
@@ -154,8 +155,11 @@ def _signed(
     for joint in np.flatnonzero(jumps):
         values = local[inside, joint]
         side = values @ rot.mean(values)
-        sound = np.flatnonzero(np.abs(side) > _ONE_SIDE)
-        if len(sound) > (1.0 - _GLITCHES) * len(values):
+        away = np.abs(side) <= _ONE_SIDE
+        if away.mean() < _GLITCHES:
+            # A glitch begins and ends a few frames beside its worst.
+            around = np.convolve(away, np.ones(2 * _BESIDE + 1), mode="same") > 0.5
+            sound = np.flatnonzero(~around)
             local[inside, joint] = _bridged(values * np.sign(side)[:, None], sound)
             odd[joint] = False
     return odd

@@ -24,7 +24,10 @@ Mirror = Annotated[
     bool, typer.Option("--mirror", help="Exchange left and right where that fits better.")
 ]
 Output = Annotated[
-    Path, typer.Option("-o", "--output", help="File to write, BVH or AMC.", show_default=False)
+    Path,
+    typer.Option(
+        "-o", "--output", help="File to write: BVH, AMC, GLB or GLTF.", show_default=False
+    ),
 ]
 Capture = Annotated[Path, typer.Argument(help="A BVH or AMC file.", show_default=False)]
 

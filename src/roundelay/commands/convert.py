@@ -17,7 +17,9 @@ from roundelay.commands.common import (
     read_capture,
 )
 
-Target = Annotated[Path, typer.Argument(help="The BVH or AMC file to write.", show_default=False)]
+Target = Annotated[
+    Path, typer.Argument(help="The BVH, AMC, GLB or GLTF file to write.", show_default=False)
+]
 Fps = Annotated[float | None, typer.Option(help="Resample to this rate.", show_default=False)]
 Scale = Annotated[float, typer.Option(help="Multiply every length.")]
 
@@ -30,7 +32,7 @@ def convert(
     fps: Fps = None,
     scale: Scale = 1.0,
 ) -> None:
-    """Convert a capture to BVH or AMC, resampled, cropped or scaled.
+    """Convert a capture to BVH, AMC or glTF, resampled, cropped or scaled.
 
     An AMC gets its ASF beside it, of the same name.
     """

@@ -8,6 +8,7 @@ import numpy as np
 
 from roundelay.figures.overview import barcode, coordinate, new_figure
 from roundelay.figures.palette import ACCENT, INK, PALE
+from roundelay.figures.style import dress
 from roundelay.inspection import Inspection
 from roundelay.motion import Motion
 
@@ -32,9 +33,7 @@ def persistence_diagram(axes: Axes, bars: Barcode, chosen: int = 0) -> None:
     axes.set_xlim(0, far)
     axes.set_ylim(0, far)
     axes.set_aspect("equal")
-    axes.set_title("persistence diagram, degree 1")
-    axes.set_xlabel("birth (body sizes)")
-    axes.set_ylabel("death (body sizes)")
+    dress(axes, "persistence diagram, degree 1", x="birth (body sizes)", y="death (body sizes)")
 
 
 def inspection(motion: Motion, found: list[Inspection]) -> Figure:

@@ -23,14 +23,19 @@ __all__ = ["circle_density", "density", "period_line", "remaps"]
 
 Array = NDArray[np.float64]
 
-_CELLS = 60
 _GRID = np.linspace(0.0, 1.0, 401)
 
 
 def density(axes: Axes, evidence: Evidence) -> None:
     """Draw the coordinate's histogram and its mixture density ([A] fig. 3, [C] fig. 3.6)."""
     phase = _phases(evidence)
-    axes.hist(phase, bins=_CELLS, range=(0.0, 1.0), density=True, color=PALE)
+    axes.hist(
+        phase,
+        bins=int(np.clip(len(phase) / 12, 12, 60)),
+        range=(0.0, 1.0),
+        density=True,
+        color=PALE,
+    )
     height = fit_circular_mixture(phase).density(_GRID)
     axes.plot(_GRID, height, color=ACCENT, lw=2, label="mixture of 30 Gaussians")
     dress(axes, "density of the circular coordinate", x="coordinate (turns)", y="density")

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from roundelay.figures.overview import new_figure
-from roundelay.figures.palette import ACCENT, INK, MUTED, phase_colours
+from roundelay.figures.palette import ACCENT, INK, phase_colours
+from roundelay.figures.style import dress
 from roundelay.segmentation.result import Segment, Segmentation
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def method_curve(axes: Axes, found: Segmentation) -> None:
     axes.plot(found.curve.frames * found.frame_time, found.curve.values, color=INK, lw=1.2)
     for cut in found.cuts:
         axes.axvline(cut * found.frame_time, color=ACCENT, lw=1.2)
-    axes.set_ylabel(found.curve.meaning, fontsize=8)
+    dress(axes, x=" ", y=found.curve.meaning)
     axes.grid(alpha=0.3)
 
 
@@ -56,9 +57,7 @@ def behaviours(axes: Axes, found: Segmentation) -> None:
     axes.set_yticks(np.arange(count))
     axes.set_ylim(count - 0.4, -0.6)
     axes.set_xlim(0.0, found.n_frames * found.frame_time)
-    axes.set_xlabel("time (s)")
-    axes.set_ylabel("behaviour")
-    axes.tick_params(colors=MUTED)
+    dress(axes, x="time (s)", y="behaviour")
 
 
 _CENTRED: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 8, "clip_on": True}

@@ -69,3 +69,22 @@ export function fillNotice(reason) {
   const said = reason.replace(/^no periodic motion found: /, "").split("; ");
   byId("reasons").replaceChildren(...said.map((part) => element("li", {}, part)));
 }
+
+export function fillHead({ name, version, capture, motions, segments, reason }) {
+  const count = motions.length === 1 ? "1 periodic motion" : `${motions.length} periodic motions`;
+  const rate = +capture.fps.toFixed(2);
+  const said = `${capture.frames} frames at ${rate} fps, ${capture.seconds.toFixed(1)} s, ${capture.joints} joints`;
+  byId("name").textContent = name;
+  byId("summary").textContent = `${said}; ${reason ? "no periodic motion" : count}`;
+  byId("length").textContent = `of ${capture.seconds.toFixed(2)} s`;
+  byId("segments-legend").hidden = segments.length === 0;
+  byId("footer").textContent = `Made by roundelay ${version}. Lengths are in body sizes: the skeleton's longest path along bones.`;
+}
+
+// Say who is on the stage.
+export function fillCaption(views, { view }) {
+  const names = views.map((group) => group.map((actor) => actor.label).join(" and ")).join(" | ");
+  const missing = view === "overlay" && views[0].length === 1;
+  const text = missing ? "Capture (no periodic part here)" : names;
+  if (byId("caption").textContent !== text) byId("caption").textContent = text;
+}

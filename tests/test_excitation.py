@@ -86,3 +86,9 @@ def test_bad_options_are_refused(options, message):
 def test_too_few_frames_are_refused():
     with pytest.raises(rl.TooShort, match="at least 4 frames, found 3"):
         excitations(np.zeros((3, 2)), 60)
+
+
+@pytest.mark.parametrize("metric", ["euclidean", "variance", "adjacent"])
+def test_a_still_capture_has_no_shape(metric):
+    with pytest.raises(ValueError, match="all 50 poses are equal"):
+        excitations(np.ones((50, 3)), 60, metric=metric)

@@ -179,6 +179,8 @@ def _check(points: Array, fps: float, metric: str, period: float, classes: int |
         raise ValueError(f"expected at least one class, found {classes}")
     if len(points) < FEWEST_POINTS:
         raise TooShort(f"a loop needs at least {FEWEST_POINTS} frames, found {len(points)}")
+    if not np.ptp(points, axis=0).any():
+        raise ValueError(f"all {len(points)} poses are equal: there is no shape to find a loop in")
 
 
 def _cloud(points: Array, metric: PoseMetric, period: float) -> Array:
@@ -186,7 +188,7 @@ def _cloud(points: Array, metric: PoseMetric, period: float) -> Array:
     if metric == "variance":
         spread = points.std(axis=0)
         moving = spread > 1e-9 * spread.max(initial=0.0)
-        points = points[:, moving] / spread[moving]
+        points = points / np.where(moving, spread, 1.0)
     return with_velocity(points, [(0, len(points))], period) if period > 0.0 else points
 
 

@@ -25,6 +25,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+# Strengths of the roughness penalty that are tried.
+_PENALTIES = np.geomspace(1e-9, 1e-1, 25)
+
 
 @dataclass(frozen=True)
 class HarmonicCurve:
@@ -205,13 +208,10 @@ def _cross_validated(design: Array, values: Array, rough: Array) -> Array:
     strength = np.maximum(strength, 0.0)
     target = axes.T @ np.linalg.solve(low, design.T @ values)
     total = np.einsum("ij,ij->j", values, values)
-    best, shrink = np.full(values.shape[1], np.inf), np.ones((len(rough), values.shape[1]))
-    for penalty in np.geomspace(1e-9, 1e-1, 25):
-        kept = 1.0 / (1.0 + penalty * n * strength)
-        # |y - X b|^2 = |y|^2 - sum (2 kept - kept^2) target^2
-        residual = total - (2 * kept - kept**2) @ target**2
-        score = np.maximum(residual, 1e-30) / np.maximum(n - kept.sum(), 1e-3) ** 2
-        better = score < best
-        best[better] = score[better]
-        shrink[:, better] = kept[:, None]
+    kept = 1.0 / (1.0 + n * _PENALTIES[:, None] * strength)
+    # |y - X b|^2 = |y|^2 - sum (2 kept - kept^2) target^2
+    residual = np.maximum(total - (2.0 * kept - kept**2) @ target**2, 1e-30)
+    freedom = np.maximum(n - kept.sum(axis=1), 1e-3)
+    best = np.argmin(residual / freedom[:, None] ** 2, axis=0)
+    shrink = kept[best].T
     return np.asarray(np.linalg.solve(low.T, axes @ (shrink * target)))

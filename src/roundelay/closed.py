@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 _WIDER = 8.0
 # Steps between the ends that are closed where frames were chosen by hand.
 _CHOSEN_STEPS = 4.0
+# A closed period is one loop: its bar is so much longer than the next.
+_PROMINENT = 1.5
 
 
 def closed_capture(
@@ -68,6 +70,13 @@ def closed_capture(
     period = len(poses) - 1 + min(1.0, gap / max(0.5 * float(steps[0] + steps[-1]), 1e-12))
     turns = np.full(len(points), np.nan)
     turns[slice(*run)] = np.arange(len(poses)) / period
-    return Evidence(
+    evidence = Evidence(
         (run,), turns, period, cloud.barcode, coordinate, 1.0, 1.0, cloud=cloud, closed=True
     )
+    if evidence.prominence < _PROMINENT and not chosen:
+        raise NoPeriod(
+            f"its ends meet, but its longest bar is {evidence.prominence:.2f} times the next, "
+            f"not {_PROMINENT:g}",
+            evidence,
+        )
+    return evidence

@@ -36,11 +36,13 @@ from roundelay.timing import Run
 __all__ = ["Options", "find_cycles", "find_periodic"]
 
 Array = NDArray[np.float64]
-
-# Where arms alone decide, their loop must stand out this much from the next.
-_PROMINENT_ARMS = 4.0
 Method = Literal["harmonic", "centroid"]
 Weights = Literal["none", "length", "mass"]
+
+# A longer capture that ends as it began is a take, not a loop, in seconds.
+_LONGEST_CLOSED = 10.0
+# Where arms alone decide, their loop must stand out this much from the next.
+_PROMINENT_ARMS = 4.0
 
 
 @dataclass(frozen=True)
@@ -178,6 +180,8 @@ def find_periodic(
         accepted, reasons = _judge(points, group, step, options.topology, last - first)
         found += accepted
         refused += reasons
+    if not found and last - first > _LONGEST_CLOSED * motion.fps:
+        raise _no_period(refused)
     if not found:
         found = [_closed(points, (first, last), step, options, refused)]
     found.sort(key=_weight, reverse=True)

@@ -62,9 +62,9 @@ def inspection(motion: Motion, found: list[Inspection]) -> Figure:
         for axes, one in zip(row[2:], item.classes, strict=False):
             if one.evidence is None:
                 axes.text(0.5, 0.5, one.fault, ha="center", wrap=True, transform=axes.transAxes)
-                axes.set_title(f"class {one.index}")
+                dress(axes, f"class {one.index}")
                 continue
             coordinate(axes, one.evidence, motion)
-            axes.set_title(f"class {one.index}: {one.evidence.net:.2f} turns")
+            dress(axes, f"class {one.index}: {one.evidence.net:.2f} turns", x="time (s)", y="turns")
     figure.suptitle(motion.name)
     return figure

@@ -106,7 +106,7 @@ def overview(motion: Motion, cycles: list[Cycle]) -> Figure:
             barcode(row[0], cycle.evidence.barcode, cycle.evidence.coordinate.class_index)
             coordinate(row[1], cycle.evidence, motion)
             found = f"{cycle.evidence.repetitions:.2f} turns, period {cycle.period:.2f} s"
-            row[1].set_title(f"circular coordinate: {found}", loc="left", fontsize=10.5)
+            dress(row[1], f"circular coordinate: {found}", x="time (s)", y="turns")
         plane(row[2], cycle, motion)
     figure.suptitle(motion.name)
     return figure

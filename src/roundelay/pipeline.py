@@ -142,8 +142,9 @@ def _by_arms(
     if options.joints is not None or not limbs:
         raise refusal
     points = point_cloud(motion, options.features, joints=limbs)
+    report(progress, 0.5, "looking at the arms alone")
     try:
-        found = find_periodic(motion, options, points=points, progress=progress)
+        found = find_periodic(motion, options, points=points)
     except NoPeriod:
         raise refusal from None
     sure = [e for e in found if not e.closed and e.prominence >= _PROMINENT_ARMS]

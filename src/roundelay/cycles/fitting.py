@@ -14,14 +14,13 @@ from roundelay.cycles.harmonic import (
     fit_harmonic,
     highest_harmonic,
 )
-from roundelay.cycles.tempo import time_phase
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import heading
 from roundelay.motion import Motion
 from roundelay.periodicity import Evidence
 from roundelay.timing import Run, line_period
 
-__all__ = ["fit_cycle", "time_phase"]
+__all__ = ["fit_cycle"]
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from roundelay.coordinate import circular_coordinate
 from roundelay.cycles.cycle import Cycle
-from roundelay.cycles.fitting import time_phase
+from roundelay.cycles.tempo import time_phase
 from roundelay.errors import LiftError, NoPeriod
 from roundelay.figures.space import Space
 from roundelay.motion import Motion

@@ -84,7 +84,9 @@ def _frames(action: bpy.types.Action, settings: Any) -> range:
 
 
 def _chosen(settings: Any, armature: Armature) -> Chosen:
-    return [(c.motion, c.index) for c in settings.classes if c.chosen and c.armature == armature]
+    return [
+        (c.motion, c.index) for c in settings.classes if c.chosen and c.armature == armature.name
+    ]
 
 
 class ROUNDELAY_OT_extract(LongOperator, bpy.types.Operator):
@@ -115,6 +117,8 @@ class ROUNDELAY_OT_extract(LongOperator, bpy.types.Operator):
 
 def _extract(context: Context, armature: Armature, settings: Any) -> Steps[int]:
     capture = yield from read_capture(context, armature, settings)
+    if settings.mirror and not capture.rig.keyed.all():
+        raise SkeletonMismatch("mirroring needs all bones: leave Pose Mode")
     options = options_of(settings)
     render = context.scene.render
     fps = render.fps / render.fps_base
@@ -185,7 +189,7 @@ class ROUNDELAY_OT_inspect(LongOperator, bpy.types.Operator):
             capture = yield from read_capture(context, armature, settings)
             found = yield from threaded(partial(_inspected, capture, options_of(settings)))
             for item, values in zip(_added(settings, found), _rows(found), strict=True):
-                item.armature = armature
+                item.armature = armature.name
                 for name, value in values.items():
                     setattr(item, name, value)
         return f"Found {len(settings.classes)} classes"

@@ -41,7 +41,7 @@ class LoopReport(bpy.types.PropertyGroup):
 class ClassItem(bpy.types.PropertyGroup):
     """One class of the poses of an armature."""
 
-    armature: PointerProperty(type=bpy.types.Object)
+    armature: StringProperty()
     motion: IntProperty()
     index: IntProperty()
     birth: FloatProperty()

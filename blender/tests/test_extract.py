@@ -168,6 +168,14 @@ def test_pose_mode_without_animated_bones(jumps):
         bpy.ops.roundelay.extract()
 
 
+def test_mirror_wants_all_bones(jumps):
+    bpy.ops.object.mode_set(mode="POSE")
+    choose(jumps, ["LeftArm", "LeftForeArm"])
+    bpy.context.scene.roundelay.mirror = True
+    with pytest.raises(RuntimeError, match="mirroring needs all bones"):
+        bpy.ops.roundelay.extract()
+
+
 def choose(armature, names):
     for bone in armature.pose.bones:
         place = bone if hasattr(bone, "select") else bone.bone

@@ -19,7 +19,7 @@ from roundelay.timing import Run
 from roundelay.topology.distances import delay_distances
 from roundelay.topology.rips import Barcode, persistent_cohomology
 
-__all__ = ["PoseCloud", "PoseMetric", "TopologyOptions", "make_cloud"]
+__all__ = ["PoseCloud", "PoseMetric", "TopologyOptions", "make_cloud", "variance_normalised"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -149,10 +149,14 @@ def make_cloud(
 
 def _scaled(poses: Array, options: TopologyOptions) -> Array:
     if options.metric == "variance":
-        spread = np.std(poses, axis=0)
-        # What does not move says nothing, however little its noise.
-        poses = poses / np.where(spread > 1e-6 * spread.max(initial=0.0), spread, np.inf)
+        poses = variance_normalised(poses)
     return poses if options.dimensions is None else principal_components(poses, options.dimensions)
+
+
+def variance_normalised(points: Array) -> Array:
+    """Divide every column by its standard deviation ([A] 6.4); those that rest become 0."""
+    spread = np.std(points, axis=0)
+    return points / np.where(spread > 1e-6 * spread.max(initial=0.0), spread, np.inf)
 
 
 def _delayed(

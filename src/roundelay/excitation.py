@@ -7,11 +7,12 @@ and turns where its own motion is shown: in its *excitation regions*.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.cloud import PoseMetric, variance_normalised
 from roundelay.coordinate import CircularCoordinate, circular_coordinate
 from roundelay.errors import TooShort
 from roundelay.geometry.contacts import stretches
@@ -22,10 +23,9 @@ from roundelay.topology.landmarks import Landmarks, choose_landmarks
 from roundelay.topology.rips import Barcode, persistent_cohomology
 from roundelay.topology.significance import p_values
 
-__all__ = ["Excitation", "Excitations", "PoseMetric", "Region", "excitations", "regions_of"]
+__all__ = ["Excitation", "Excitations", "Region", "excitations", "regions_of"]
 
 Array = NDArray[np.float64]
-PoseMetric = Literal["euclidean", "variance", "adjacent"]
 
 _LANDMARKS = 500
 # A capture is thinned to this many frames, but to no fewer a second than the next number.
@@ -186,9 +186,7 @@ def _check(points: Array, fps: float, metric: str, period: float, classes: int |
 def _cloud(points: Array, metric: PoseMetric, period: float) -> Array:
     """Return points (F, d or 2 d) in the metric's columns, with velocities if period > 0."""
     if metric == "variance":
-        spread = points.std(axis=0)
-        moving = spread > 1e-9 * spread.max(initial=0.0)
-        points = points / np.where(moving, spread, 1.0)
+        points = variance_normalised(points)
     return with_velocity(points, [(0, len(points))], period) if period > 0.0 else points
 
 

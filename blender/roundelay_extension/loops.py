@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from roundelay import Cycle, Evidence, Motion, NoPeriod, Options, TopologyOptions
-from roundelay.cycles.fitting import fit_cycle, time_phase
+from roundelay.cycles.fitting import fit_cycle
 from roundelay.cycles.harmonic import HarmonicCurve
+from roundelay.cycles.tempo import time_phase
 from roundelay.inspection import inspect
 from roundelay.poses import point_cloud
 
@@ -58,8 +59,10 @@ def _chosen_cycle(motion: Motion, found: Any, options: Options, number: int, ind
 
 
 def _fitted(motion: Motion, evidence: Evidence, harmonics: int | None) -> Cycle:
-    points = point_cloud(motion)
-    phase = time_phase(points, evidence.turns, evidence.runs, frame_time=motion.frame_time)
+    phase = evidence.turns
+    if not evidence.closed:
+        points = point_cloud(motion)
+        phase = time_phase(points, evidence.turns, evidence.runs, frame_time=motion.frame_time)
     return fit_cycle(motion, phase, evidence.runs, harmonics=harmonics, evidence=evidence)
 
 

@@ -2,9 +2,11 @@
 
 import importlib
 import os
+import sys
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 
 CAPTURES = Path(__file__).resolve().parents[2] / "data" / "captures"
@@ -55,6 +57,21 @@ def import_capture(name="01_01", mode="NATIVE"):
     bpy.context.view_layer.objects.active = armature
     armature.select_set(True)
     bpy.context.view_layer.update()
+    return armature
+
+
+def drifting():
+    """Return an armature whose poses never come back."""
+    armature = import_capture("01_03")
+    armature.name = armature.animation_data.action.name = "drifting"
+    for number, curve in enumerate(
+        sys.modules[f"{MODULE}.compat"].fcurves(armature.animation_data)
+    ):
+        keys = np.empty(2 * len(curve.keyframe_points))
+        curve.keyframe_points.foreach_get("co", keys)
+        keys[1::2] = (number % 5 - 2) * 1e-4 * keys[::2]
+        curve.keyframe_points.foreach_set("co", keys)
+        curve.update()
     return armature
 
 

@@ -119,16 +119,25 @@ def find_cycles(
         found = find_periodic(motion, options, points=points, progress=progress)
     except NoPeriod as refusal:
         found, points = _by_arms(motion, options, refusal, progress)
-    cycles = []
+    cycles, refused = [], []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
-        phase = _phase(points, evidence, motion.frame_time)
-        cycle = fit_cycle(
-            motion, phase, evidence.runs, harmonics=options.harmonics, evidence=evidence
-        )
-        cycles.append(centroid_cycle(cycle, motion) if options.method == "centroid" else cycle)
+        try:
+            cycles.append(_cycle(motion, points, evidence, options))
+        except TooShort as error:
+            refused.append(NoPeriod(f"frames {_listed(evidence.runs)}: {error}", evidence))
+    if not cycles:
+        raise _no_period(refused)
     report(progress, 1.0, "done")
     return cycles
+
+
+def _cycle(motion: Motion, points: Array, evidence: Evidence, options: Options) -> Cycle:
+    phase = evidence.turns
+    if not evidence.closed:
+        phase = time_phase(points, phase, evidence.runs, frame_time=motion.frame_time)
+    cycle = fit_cycle(motion, phase, evidence.runs, harmonics=options.harmonics, evidence=evidence)
+    return centroid_cycle(cycle, motion) if options.method == "centroid" else cycle
 
 
 def _by_arms(
@@ -151,12 +160,6 @@ def _by_arms(
     if not sure:
         raise refusal
     return sure, points
-
-
-def _phase(points: Array, evidence: Evidence, frame_time: float) -> Array:
-    if evidence.closed:
-        return evidence.turns
-    return time_phase(points, evidence.turns, evidence.runs, frame_time=frame_time)
 
 
 def find_periodic(

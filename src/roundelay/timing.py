@@ -35,6 +35,9 @@ __all__ = [
 Array = NDArray[np.float64]
 Run = tuple[int, int]
 
+# The share of the circle that must be passed for its timing to be known.
+_COVERED = 0.95
+
 
 def unwrap(phase: ArrayLike, runs: Sequence[Run]) -> Array:
     """Count whole turns of a circular coordinate over time ([C] fig. 3.8).
@@ -151,7 +154,7 @@ def phase_map(turns: ArrayLike, runs: Sequence[Run], *, cells: int = 128) -> Pha
     Raises
     ------
     TooShort
-        If some cell is never passed: less than one period was seen.
+        If less than 95 % of the circle is passed; cells that are not get the mean time.
     """
     total, passages = np.zeros(cells), np.zeros(cells)
     for start, stop in runs:
@@ -162,10 +165,11 @@ def phase_map(turns: ArrayLike, runs: Sequence[Run], *, cells: int = 128) -> Pha
         cell = edges[:-1].astype(int) % cells
         np.add.at(total, cell, np.diff(times))
         np.add.at(passages, cell, 1.0)
-    if np.any(passages == 0.0):
-        seen = np.mean(passages > 0.0)
-        raise TooShort(f"the motion covers only {seen:.0%} of one period")
-    dwell = total / passages
+    seen = passages > 0.0
+    if np.mean(seen) < _COVERED:
+        raise TooShort(f"the motion covers only {np.mean(seen):.0%} of one period")
+    dwell = np.full(cells, float(np.mean(total[seen] / passages[seen])))
+    dwell[seen] = total[seen] / passages[seen]
     phase = np.concatenate([[0.0], np.cumsum(dwell)])
     return PhaseMap(phase / phase[-1], float(phase[-1]))
 

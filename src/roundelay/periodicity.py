@@ -223,19 +223,30 @@ def without_pauses(evidence: Evidence) -> list[Run]:
 
 
 def _pauses(evidence: Evidence, offset: float) -> list[Run]:
-    """List the frames of pauses, by cells whose borders are moved by `offset` turns."""
+    """List the frames of pauses, by cells whose borders are moved by `offset` turns.
+
+    The usual time is that of whole passages; at the ends of a run, where a motion may begin
+    from standing, no more than it is left.
+    """
     turns = evidence.turns + offset
-    passages = [passage for run in evidence.runs for passage in _passages(turns, run)]
+    passages = [_passages(turns, run) for run in evidence.runs]
     dwell: dict[int, list[int]] = {}
-    for cell, first, last in passages:
+    for cell, first, last in (p for run in passages for p in run[1:-1]):
         dwell.setdefault(cell % _CELLS, []).append(last - first)
     usual = {cell: sorted(times)[(len(times) - 1) // 2] for cell, times in dwell.items()}
-    shortest = 0.35 * evidence.period
-    return [
-        (first, last)
-        for cell, first, last in passages
-        if last - first > max(2.0 * usual[cell % _CELLS], shortest)
-    ]
+    long = 0.35 * evidence.period
+    found = []
+    for run in passages:
+        for number, (cell, first, last) in enumerate(run):
+            normal = usual.get(cell % _CELLS, last - first)
+            excess = last - first - normal
+            if number == 0 and excess > long:
+                found.append((first, last - normal))
+            elif number == len(run) - 1 and excess > long:
+                found.append((first + normal, last))
+            elif excess > normal and last - first > long:
+                found.append((first + normal // 2, last - normal // 2))
+    return found
 
 
 def _turned(turns: Array, run: Run) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.errors import FormatError
+from roundelay.files import written_beside
 from roundelay.formats import decimals
 
 __all__ = [
@@ -262,13 +262,8 @@ def save(path: Path, pieces: Iterable[str]) -> None:
     OSError
         If it cannot be written.
     """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("w", encoding="utf-8", newline="\n") as file:
-            file.writelines(pieces)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+    with written_beside(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
+        file.writelines(pieces)
 
 
 def rows(table: NDArray[np.float64], row: str) -> Iterator[str]:

@@ -20,7 +20,7 @@ from roundelay.commands.common import (
     progress_bar,
     read_capture,
 )
-from roundelay.commands.search import (
+from roundelay.commands.options import (
     Class,
     Delay,
     Delays,

@@ -3,7 +3,7 @@
 Usage: python -m benchmarks.paper_a --data FOLDER [--json]
 
 - ``rows``: captures of table 1 and figures 7, 9, 10, 11: bars, classes, excitation regions, and
-  the parts found by `find_cycles` and by `find_gestures`, with the times of [A] (its cohomology
+  the parts found by `find_cycles`, steady ones and gestures, with the times of [A] (its cohomology
   alone) beside ours (all of it). A behaviour that [A] tells of counts as found if some class
   makes .8 turns in its frames, with half of the variation of its regions there.
 - ``concatenations``: three captures end to end, 20 times by a seeded choice. A part is back if its
@@ -30,7 +30,6 @@ from roundelay.excitation import Excitation, excitations
 from roundelay.geometry import contacts
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
-from roundelay.gestures import find_gestures
 from roundelay.poses import point_cloud
 from roundelay.quality import quality
 
@@ -54,8 +53,8 @@ def row(data: Path, name: str, paper: Row) -> dict[str, Any]:
     found: dict[str, Any] = {"capture": name, "frames": len(motion), "[A]": paper.figures()}
     for metric in METRICS:
         found[metric] = _classes(motion, metric, paper)
-    for what, finder in (("parts", rl.find_cycles), ("gestures", find_gestures)):
-        parts, cpu, wall = timed(lambda finder=finder: parts_of(motion, finder))
+    for what, gestures in (("parts", False), ("gestures", True)):
+        parts, cpu, wall = timed(lambda gestures=gestures: parts_of(motion, gestures))
         found[what] = parts
         found[f"{what}_seconds"] = {"cpu": round(cpu, 3), "wall": round(wall, 3)}
     return found
@@ -104,11 +103,9 @@ def _share(excited: Excitation, frames: tuple[tuple[int, int], ...]) -> tuple[fl
     return (round(here, 2) if share >= 0.5 else 0.0, round(share, 2))
 
 
-def parts_of(
-    motion: rl.Motion, finder: Callable[[rl.Motion], list[rl.Cycle]] = rl.find_cycles
-) -> list[dict[str, Any]] | str:
+def parts_of(motion: rl.Motion, gestures: bool | None = None) -> list[dict[str, Any]] | str:
     try:
-        cycles = finder(motion)
+        cycles = rl.find_cycles(motion, rl.Options(gestures=gestures))
     except rl.NoPeriod as refusal:
         return str(refusal)
     return [

@@ -8,35 +8,58 @@ import pytest
 import roundelay as rl
 from roundelay import synth
 from roundelay.excitation import Region
-from roundelay.gestures import find_gestures, gesture_runs
+from roundelay.gestures import gesture_runs
+
+FPS = 30
 
 
 @pytest.fixture(scope="module")
 def made() -> synth.Synthetic:
-    """A jumping jack now and again, each time with other things between."""
-    jack = synth.gait("jacks", repetitions=1.1, fps=60)
-    between = [synth.wander(1.5, fps=60, seed=seed) for seed in range(3)]
+    """A jumping jack now and again, each time with other things between, for over ten seconds."""
+    jack = synth.gait("jacks", repetitions=1.1, fps=FPS)
+    between = [synth.wander(seconds, fps=FPS, seed=n) for n, seconds in enumerate((2, 11, 14))]
     return synth.sequence(between[0], jack, between[1], jack, between[2], jack)
 
 
-def test_a_gesture_is_found_wherever_it_recurs(made):
-    cycle = find_gestures(made.motion)[0]
+@pytest.mark.parametrize("gestures", [True, None])
+def test_a_gesture_is_found_wherever_it_recurs(made, gestures):
+    cycle = rl.find_cycles(made.motion, rl.Options(gestures=gestures))[0]
     assert cycle.period == pytest.approx(1.2, rel=0.15)
     edges = [0, *made.cuts, len(made.motion)]
     shown = list(zip(edges[1::2], edges[2::2], strict=False))
     assert cycle.evidence is not None
     assert len(cycle.evidence.runs) == 3
     for run, (start, stop) in zip(cycle.evidence.runs, shown, strict=True):
-        assert abs(run[0] - start) < 30
-        assert abs(run[1] - stop) < 30
+        assert abs(run[0] - start) < 0.1 * FPS
+        assert abs(run[1] - stop) < 0.1 * FPS
+
+
+def test_gestures_are_left_alone_if_so_told(made):
+    with pytest.raises(rl.NoPeriod, match="no periodic motion found"):
+        rl.find_cycles(made.motion, rl.Options(gestures=False))
+
+
+def test_unasked_for_a_gesture_must_recur_three_times(made):
+    twice = made.motion[: made.cuts[3]]
+    assert len(rl.find_cycles(twice, rl.Options(gestures=True))[0].evidence.runs) == 2
+    with pytest.raises(rl.NoPeriod, match="no periodic motion found"):
+        rl.find_cycles(twice)
+
+
+def test_only_the_chosen_frames_are_searched(made):
+    span = (made.cuts[0], len(made.motion))
+    found = rl.find_cycles(made.motion, rl.Options(frames=span, gestures=True))[0]
+    whole = rl.find_cycles(made.motion, rl.Options(gestures=True))[0]
+    assert found.evidence.runs[0][0] >= span[0]
+    assert np.allclose(found.evidence.runs[1:], whole.evidence.runs[1:], atol=2)
 
 
 def test_wandering_holds_no_gesture():
     with pytest.raises(rl.NoPeriod, match="no gesture recurs"):
-        find_gestures(synth.wander(20, seed=3).motion)
+        rl.find_cycles(synth.wander(20, seed=3).motion, rl.Options(gestures=True))
 
 
-def test_regions_without_a_gap_are_one(made):
+def test_regions_without_a_gap_are_one():
     class Excited:
         regions = (
             Region(0, 100, 1.0, 1.0),
@@ -45,6 +68,6 @@ def test_regions_without_a_gap_are_one(made):
             Region(400, 500, 1.0, 1.2),
         )
 
-    runs = gesture_runs(Excited(), 505)
+    runs = gesture_runs(Excited(), (0, 505))
     assert runs == [(0, 220), (390, 505)]
-    assert np.all(np.diff(runs) > 0)
+    assert gesture_runs(Excited(), (20, 525)) == [(20, 240), (410, 525)]

@@ -100,7 +100,8 @@ def cycles_in_segments(
 
 
 def _period(clip: Motion, options: Options | None) -> float | None:
+    steady = replace(options or Options(), gestures=False)
     try:
-        return find_periodic(clip, options)[0].period * clip.frame_time
+        return find_periodic(clip, steady)[0].period * clip.frame_time
     except (NoPeriod, TooShort):
         return None

@@ -1,8 +1,8 @@
 """Gestures: motions that recur with something else between, from excitation regions ([A] 4.6).
 
-`roundelay.find_cycles` looks for poses that come back after a period. A punch thrown now and
-again has none; but the coordinate of its class turns once each time. The regions in which it
-does are cut out and analysed by themselves, as [A] does.
+A punch thrown now and again has no period at which its poses come back; but the coordinate of
+its class turns once each time. The regions in which it does are cut out and analysed by
+themselves, as [A] does.
 """
 
 from __future__ import annotations
@@ -11,14 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.cloud import TopologyOptions
-from roundelay.cycles.cycle import Cycle
-from roundelay.cycles.fitting import fit_cycle
-from roundelay.cycles.tempo import time_phase
-from roundelay.errors import LiftError, NoPeriod, TooShort
+from roundelay.errors import NoPeriod
 from roundelay.excitation import Excitation, excitations
-from roundelay.motion import Motion
-from roundelay.periodicity import Evidence, measure
-from roundelay.poses import point_cloud
+from roundelay.parts import judged
+from roundelay.periodicity import Evidence
 from roundelay.timing import Run
 
 __all__ = ["find_gestures", "gesture_runs"]
@@ -31,19 +27,32 @@ _WHOLE = 0.75
 _MARGIN, _GAP = 0.1, 0.25
 # A class is another gesture if this share of its frames, at least, is in no earlier one.
 _NEW = 0.5
+# Frames a second looked at.
+_RATE = 60.0
 
 
-def find_gestures(motion: Motion) -> list[Cycle]:
-    """Find motions that recur, with or without something else between, as cycles.
+def find_gestures(
+    points: Array, fps: float, span: Run, options: TopologyOptions, *, fewest: int = 1
+) -> list[Evidence]:
+    """Find motions that recur, with or without something else between.
 
     Parameters
     ----------
-    motion : Motion
+    points : (F, d) ndarray
+        One pose a frame, as from `roundelay.poses.point_cloud`.
+    fps : float
+        Frames a second.
+    span : (start, stop)
+        The frames to look at.
+    options : TopologyOptions
+        For the frames of each gesture by themselves.
+    fewest : int
+        Leave out gestures shown in fewer stretches.
 
     Returns
     -------
-    list of Cycle
-        The most significant class first; the runs of their evidence are the recurrences.
+    list of Evidence
+        The most significant class first; the runs are the recurrences.
 
     Raises
     ------
@@ -52,46 +61,46 @@ def find_gestures(motion: Motion) -> list[Cycle]:
     TooShort
         If there are fewer than 4 frames.
     """
-    motion = motion.with_root_motion()
-    points = point_cloud(motion)
-    taken = np.zeros(len(motion), bool)
+    step = max(1, round(fps / _RATE))
+    taken = np.zeros(len(points), bool)
     found, refused = [], []
-    for excited in excitations(points, motion.fps).classes:
-        runs = gesture_runs(excited, len(motion))
+    for excited in excitations(points[slice(*span)], fps, prime=options.prime).classes:
+        runs = gesture_runs(excited, span)
         frames = [frame for run in runs for frame in range(*run)]
-        if not frames or np.mean(taken[frames]) > 1.0 - _NEW:
+        if len(runs) < fewest or np.mean(taken[frames]) > 1.0 - _NEW:
             continue
         try:
-            found.append(_measured(points, runs, _turn(excited), motion.fps))
+            found.append(judged(points, runs, _turn(excited), step, options, span[1] - span[0]))
         except NoPeriod as error:
             refused.append(str(error))
         else:
             taken[frames] = True
     if not found:
         raise NoPeriod("; ".join(["no gesture recurs", *refused[:3]]))
-    return [_cycle(motion, points, evidence) for evidence in found]
+    return found
 
 
-def gesture_runs(excited: Excitation, frames: int) -> list[Run]:
+def gesture_runs(excited: Excitation, span: Run) -> list[Run]:
     """Return the regions in which a coordinate makes a whole turn forward, with margins.
 
     Parameters
     ----------
     excited : Excitation
-    frames : int
-        Length of the capture.
+        Of the frames of `span`.
+    span : (start, stop)
 
     Returns
     -------
     list of (start, stop)
-        Without overlap; regions with hardly a gap between are one.
+        Frames of the capture, without overlap; regions with hardly a gap between are one.
     """
-    turn, runs = _turn(excited), list[Run]()
+    (first, last), turn, runs = span, _turn(excited), list[Run]()
     margin = round(_MARGIN * turn)
     for region in excited.regions:
         if region.net < _WHOLE:
             continue
-        start, stop = max(0, region.start - margin), min(frames, region.stop + margin)
+        start = max(first, first + region.start - margin)
+        stop = min(last, first + region.stop + margin)
         if runs and start - runs[-1][1] < _GAP * turn:
             start = runs.pop()[0]
         runs.append((start, stop))
@@ -103,20 +112,3 @@ def _turn(excited: Excitation) -> float:
     whole = [region for region in excited.regions if region.net >= _WHOLE]
     turns = sum(region.net for region in whole)
     return sum(region.stop - region.start for region in whole) / max(turns, _WHOLE)
-
-
-def _measured(points: Array, runs: list[Run], turn: float, fps: float) -> Evidence:
-    step = max(1, round(fps / 60.0))
-    try:
-        evidence = measure(points, runs, turn, step, TopologyOptions())
-    except (LiftError, TooShort) as error:
-        raise NoPeriod(str(error)) from error
-    objection = evidence.objection(len(points))
-    if objection is not None:
-        raise NoPeriod(f"frames {runs[0][0]}-{runs[-1][1]}: {objection}", evidence)
-    return evidence
-
-
-def _cycle(motion: Motion, points: Array, evidence: Evidence) -> Cycle:
-    phase = time_phase(points, evidence.turns, evidence.runs, frame_time=motion.frame_time)
-    return fit_cycle(motion, phase, evidence.runs, evidence=evidence)

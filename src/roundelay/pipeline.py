@@ -3,8 +3,8 @@
 ::
 
     Motion -> points        poses as a point cloud                      poses.py
-           -> parts         stretches in which poses come back          detection.py
-           -> evidence      barcode, circular coordinate, turns         periodicity.py, topology/
+           -> parts         stretches in which poses come back          detection.py, gestures.py
+           -> evidence      barcode, circular coordinate, turns         parts.py, topology/
            -> phase         from structure to time                      timing.py
            -> cycle         a closed curve of poses with its travel     cycles/
 """
@@ -12,6 +12,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
@@ -24,11 +25,13 @@ from roundelay.cycles.centroid import centroid_cycle
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.fitting import fit_cycle
 from roundelay.cycles.tempo import time_phase
-from roundelay.detection import Part, candidate_parts, leading_rest_pose, recurring_groups
-from roundelay.errors import LiftError, NoPeriod, TooShort
+from roundelay.detection import leading_rest_pose
+from roundelay.errors import NoPeriod, TooShort
 from roundelay.geometry.contacts import free_limbs
+from roundelay.gestures import find_gestures
 from roundelay.motion import Motion
-from roundelay.periodicity import Evidence, measure, without_pauses
+from roundelay.parts import no_period, periodic_parts
+from roundelay.periodicity import Evidence
 from roundelay.poses import Features, point_cloud
 from roundelay.progress import Progress, report
 from roundelay.timing import Run
@@ -41,6 +44,8 @@ Weights = Literal["none", "length", "mass"]
 
 # A longer capture that ends as it began is a take, not a loop, in seconds.
 _LONGEST_CLOSED = 10.0
+# What recurs with something else between, unasked for, is no chance from so many times on.
+_OFTEN = 3
 # Where arms alone decide, their loop must stand out this much from the next.
 _PROMINENT_ARMS = 4.0
 
@@ -66,6 +71,9 @@ class Options:
         Number of harmonics of the cycle; by default what the period can need.
     method : {"harmonic", "centroid"}
         How poses become a cycle: harmonic regression ([C]) or centroids ([A] 4.4).
+    gestures : bool, optional
+        Look for gestures, which recur with something else between (True), never (False), or
+        where no part is periodic (the default; they must then recur three times).
     most : int, optional
         Return this many cycles at most, best first.
     """
@@ -77,6 +85,7 @@ class Options:
     topology: TopologyOptions = field(default_factory=TopologyOptions)
     harmonics: int | None = None
     method: Method = "harmonic"
+    gestures: bool | None = None
     most: int | None = None
 
 
@@ -114,20 +123,16 @@ def find_cycles(
     options, motion = options or Options(), motion.with_root_motion()
     if options.method not in get_args(Method):
         raise ValueError(f"expected a method among {get_args(Method)}, found {options.method!r}")
-    points = _points(motion, options)
-    try:
-        found = find_periodic(motion, options, points=points, progress=progress)
-    except NoPeriod as refusal:
-        found, points = _by_arms(motion, options, refusal, progress)
+    found, points = _searched(motion, options, progress)
     cycles, refused = [], []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
         try:
             cycles.append(_cycle(motion, points, evidence, options))
         except TooShort as error:
-            refused.append(NoPeriod(f"frames {_listed(evidence.runs)}: {error}", evidence))
+            refused.append(NoPeriod(str(error), evidence))
     if not cycles:
-        raise _no_period(refused)
+        raise no_period(refused)
     report(progress, 1.0, "done")
     return cycles
 
@@ -140,56 +145,84 @@ def _cycle(motion: Motion, points: Array, evidence: Evidence, options: Options) 
     return centroid_cycle(cycle, motion) if options.method == "centroid" else cycle
 
 
-def _by_arms(
-    motion: Motion, options: Options, refusal: NoPeriod, progress: Progress | None
-) -> tuple[list[Evidence], Array]:
-    """Look at the arms alone where all joints together show no period.
+def find_periodic(
+    motion: Motion, options: Options | None = None, *, progress: Progress | None = None
+) -> list[Evidence]:
+    """Find the periodic motions of a capture without making cycles; see `find_cycles`."""
+    return _searched(motion.with_root_motion(), options or Options(), progress)[0]
 
-    A few bones that do not repeat can hide those that do, as in boxing ([C] ch. 7).
+
+def _searched(
+    motion: Motion, options: Options, progress: Progress | None
+) -> tuple[list[Evidence], Array]:
+    """Return what is found, best first, and the points in which it was.
+
+    Where all joints together show no period, the arms alone may; else what recurs now and then.
+    """
+    points = _points(motion, options)
+    span = _frames(motion, points, options.frames)
+    if options.gestures:
+        return _gestures(points, motion.fps, span, options, fewest=1), points
+    try:
+        return _periods(points, motion.fps, span, options, progress), points
+    except NoPeriod as error:
+        refusal = error
+    with suppress(NoPeriod):
+        return _in_arms(motion, span, options, progress)
+    if options.gestures is None and options.topology.class_index is None:
+        report(progress, 0.5, "looking for gestures")
+        with suppress(NoPeriod):
+            return _gestures(points, motion.fps, span, options, fewest=_OFTEN), points
+    raise refusal
+
+
+def _periods(
+    points: Array, fps: float, span: Run, options: Options, progress: Progress | None
+) -> list[Evidence]:
+    """Find motions whose poses come back after a period, or all frames as one closed period."""
+    frames = span[1] - span[0]
+    step = _step(fps, frames)
+    found, refused = periodic_parts(points, fps, span, step, options.topology, progress)
+    if not found and frames <= _LONGEST_CLOSED * fps:
+        chosen = options.frames is not None
+        try:
+            found = [closed_capture(points, span, step, options.topology, chosen=chosen)]
+        except NoPeriod as refusal:
+            refused.append(refusal)
+    if not found:
+        raise no_period(refused)
+    found.sort(key=_weight, reverse=True)
+    return found[: options.most]
+
+
+def _in_arms(
+    motion: Motion, span: Run, options: Options, progress: Progress | None
+) -> tuple[list[Evidence], Array]:
+    """Look at the arms alone: a few bones that do not repeat can hide those that do.
+
+    As in boxing ([C] ch. 7).
     """
     limbs = free_limbs(motion.skeleton, motion.positions(), motion.up)
     if options.joints is not None or not limbs:
-        raise refusal
-    points = point_cloud(motion, options.features, joints=limbs)
+        raise NoPeriod("there are no arms to look at alone")
     report(progress, 0.5, "looking at the arms alone")
-    try:
-        found = find_periodic(motion, options, points=points)
-    except NoPeriod:
-        raise refusal from None
+    points = point_cloud(motion, options.features, joints=limbs)
+    found = _periods(points, motion.fps, span, options, None)
     sure = [e for e in found if not e.closed and e.prominence >= _PROMINENT_ARMS]
     if not sure:
-        raise refusal
+        raise NoPeriod("no loop of the arms stands out")
     return sure, points
 
 
-def find_periodic(
-    motion: Motion,
-    options: Options | None = None,
-    *,
-    points: Array | None = None,
-    progress: Progress | None = None,
+def _gestures(
+    points: Array, fps: float, span: Run, options: Options, *, fewest: int
 ) -> list[Evidence]:
-    """Find the periodic motions of a capture without making cycles; see `find_cycles`."""
-    options = options or Options()
-    points = _points(motion.with_root_motion(), options) if points is None else points
-    first, last = _frames(motion, points, options.frames)
-    step = _step(motion.fps, last - first)
-    report(progress, 0.0, "looking for recurring poses")
-    parts = candidate_parts(points[first:last:step], motion.fps / step)
-    groups = recurring_groups(points, [part.spread(step, first, last) for part in parts])
-    found: list[Evidence] = []
-    refused: list[NoPeriod] = []
-    for number, group in enumerate(groups):
-        report(progress, 0.1 + 0.4 * number / len(groups), "computing barcodes")
-        accepted, reasons = _judge(points, group, step, options.topology, last - first)
-        found += accepted
-        refused += reasons
-    if not found and last - first > _LONGEST_CLOSED * motion.fps:
-        raise _no_period(refused)
-    if not found:
-        found = [_closed(points, (first, last), step, options, refused)]
-    found.sort(key=_weight, reverse=True)
+    found = find_gestures(points, fps, span, options.topology, fewest=fewest)
     return found[: options.most]
+
+
+def _weight(evidence: Evidence) -> float:
+    return evidence.repetitions * evidence.confidence
 
 
 def _points(motion: Motion, options: Options) -> Array:
@@ -218,78 +251,3 @@ def _step(fps: float, frames: int) -> int:
     """Thin to some 60 frames a second, long captures to 30."""
     target = 60.0 if frames / fps < 15.0 else 30.0
     return max(1, round(fps / target))
-
-
-def _weight(evidence: Evidence) -> float:
-    return evidence.repetitions * evidence.confidence
-
-
-def _judge(
-    points: Array, group: list[Part], step: int, options: TopologyOptions, searched: int
-) -> tuple[list[Evidence], list[NoPeriod]]:
-    """Ask topology about parts that look alike: all together, else each by itself."""
-    try:
-        return [_accepted(points, group, step, options, searched)], []
-    except NoPeriod as refusal:
-        if len(group) == 1:
-            return [], [refusal]
-    accepted, refused = [], []
-    for part in group:
-        evidence, reasons = _judge(points, [part], step, options, searched)
-        accepted += evidence
-        refused += reasons
-    return accepted, refused
-
-
-def _accepted(
-    points: Array, group: list[Part], step: int, options: TopologyOptions, searched: int
-) -> Evidence:
-    """Measure parts of one motion, cut its pauses out, and check the result."""
-    by_hand = options.class_index is not None
-    runs, period = _union(group), float(np.median([part.period for part in group]))
-    try:
-        evidence = measure(points, runs, period, step, options)
-        cut = without_pauses(evidence)
-        if cut and tuple(cut) != evidence.runs:
-            again = measure(points, cut, evidence.period, step, options)
-            evidence = again if again.objection(searched, chosen=by_hand) is None else evidence
-    except (LiftError, TooShort) as error:
-        raise NoPeriod(str(error)) from error
-    objection = evidence.objection(searched, chosen=by_hand)
-    if objection is not None:
-        raise NoPeriod(f"frames {_listed(evidence.runs)}: {objection}", evidence)
-    return evidence
-
-
-def _union(parts: list[Part]) -> list[Run]:
-    """Join ranges that overlap."""
-    joined: list[Run] = []
-    for part in parts:
-        if joined and part.start <= joined[-1][1]:
-            joined[-1] = (joined[-1][0], max(part.stop, joined[-1][1]))
-        else:
-            joined.append((part.start, part.stop))
-    return joined
-
-
-def _listed(runs: Sequence[Run]) -> str:
-    return ", ".join(f"{start}-{stop}" for start, stop in runs)
-
-
-def _closed(
-    points: Array, run: Run, step: int, options: Options, refused: list[NoPeriod]
-) -> Evidence:
-    """Try whether all frames are one closed period, where nothing comes back."""
-    try:
-        chosen = options.frames is not None
-        return closed_capture(points, run, step, options.topology, chosen=chosen)
-    except NoPeriod as refusal:
-        raise _no_period([*refused, refusal]) from None
-
-
-def _no_period(refused: list[NoPeriod]) -> NoPeriod:
-    if not refused:
-        return NoPeriod("no periodic motion found: no pose comes back after a while")
-    shown = "; ".join(str(reason) for reason in refused[:3])
-    more = f"; and {len(refused) - 3} more" if len(refused) > 3 else ""
-    return NoPeriod(f"no periodic motion found: {shown}{more}", refused[0].evidence)

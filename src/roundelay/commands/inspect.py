@@ -26,6 +26,7 @@ from roundelay.commands.options import (
     Delays,
     Dimensions,
     Features,
+    Gestures,
     Joints,
     Metric,
     Prime,
@@ -56,6 +57,7 @@ def inspect(
     prime: Prime = 47,
     class_index: Class = None,
     scale: Scale = None,
+    gestures: Gestures = None,
     classes: Shown = 5,
     picture: Picture = True,
     json: Json = False,
@@ -76,6 +78,7 @@ def inspect(
                 joints=joints,
                 features=features,
                 weights=weights,
+                gestures=gestures,
                 topology={
                     "prime": prime,
                     "class_index": class_index,

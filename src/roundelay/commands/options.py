@@ -18,6 +18,7 @@ __all__ = [
     "Delays",
     "Dimensions",
     "Features",
+    "Gestures",
     "Joints",
     "Metric",
     "Prime",
@@ -95,6 +96,16 @@ Scale = Annotated[
     float | None,
     typer.Option(
         help="Scale of the circular coordinate, in body sizes.",
+        show_default=False,
+        rich_help_panel=_SEARCH,
+    ),
+]
+Gestures = Annotated[
+    bool | None,
+    typer.Option(
+        "--gestures/--no-gestures",
+        help="Look for what recurs with something else between, or never; "
+        "by default where nothing is periodic.",
         show_default=False,
         rich_help_panel=_SEARCH,
     ),

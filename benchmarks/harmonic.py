@@ -156,7 +156,7 @@ def measure(data: Path, only: Sequence[str], *, with_paper: bool) -> list[Row]:
 def stages(motion: Motion) -> dict[str, float]:
     """Return the best of 5 times of each stage of `find_cycles`, in milliseconds."""
     points = pipeline._points(motion, roundelay.Options())
-    found = pipeline.find_periodic(motion, points=points)[0]
+    found = pipeline.find_periodic(motion)[0]
     step = pipeline._step(motion.fps, len(motion))
     phase = time_phase(points, found.turns, found.runs, frame_time=motion.frame_time)
     cycle = fit_cycle(motion, phase, found.runs)

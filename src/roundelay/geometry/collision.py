@@ -16,9 +16,10 @@ from roundelay.geometry.contacts import stretches
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.skeleton import Skeleton
 
-__all__ = ["Collision", "collisions", "segment_distances"]
+__all__ = ["Capsules", "Collision", "Near", "collisions", "nearest_points", "segment_distances"]
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 Segments = tuple[Array, Array]
 
 # Radius of a bone in its lengths, and at most in body sizes: about that of a forearm.
@@ -52,6 +53,81 @@ class Collision:
     frame: int
 
 
+@dataclass(frozen=True, eq=False)
+class Near:
+    """Where pairs of bones come near each other, an entry a pair and frame.
+
+    Attributes
+    ----------
+    pair, frame : (n,) ndarray of int
+        Sorted by pair, then by frame.
+    first, second : (n, 3) ndarray
+        The nearest points of both bones.
+    depth : (n,) ndarray
+        How far the capsules are into each other; negative where they are apart.
+    """
+
+    pair: Indices
+    frame: Indices
+    first: Array
+    second: Array
+    depth: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Capsules:
+    """The pairs of a skeleton's bones that can meet.
+
+    Attributes
+    ----------
+    upper, lower : (P, 2) ndarray of int
+        The joints between which the bones of a pair lie.
+    reach : (P,) ndarray
+        The radii of both bones together.
+    """
+
+    upper: Indices
+    lower: Indices
+    reach: Array
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, thickness: float = 1.0) -> Capsules:
+        """Choose the pairs; arguments as for `collisions`."""
+        if not thickness > 0.0:
+            raise ValueError(f"expected a positive thickness, found {thickness:g}")
+        bones = _bones(skeleton)
+        radii = thickness * _radii(skeleton, bones)
+        chosen = np.array(_pairs(skeleton, bones), np.intp).reshape(-1, 2)
+        lower = np.array(bones, np.intp)[chosen]
+        upper = np.array(skeleton.parents, np.intp)[lower]
+        pairs = cls(upper, lower, radii[chosen].sum(axis=1))
+        still = np.tile([1.0, 0.0, 0.0, 0.0], (1, skeleton.n_joints, 1))
+        touching = pairs.near(forward_kinematics(skeleton, still)[0]).pair
+        keep = np.setdiff1d(np.arange(len(lower)), touching)
+        return cls(upper[keep], lower[keep], pairs.reach[keep])
+
+    def near(self, places: Array, margin: float = 0.0) -> Near:
+        """Find where bones come nearer than a margin to touching.
+
+        Parameters
+        ----------
+        places : (F, J, 3) ndarray
+            Positions of the joints.
+        margin : float
+        """
+        joints = np.moveaxis(places, 1, 0)
+        (a, c), (b, d) = joints[self.upper.T], joints[self.lower.T]
+        # Spheres about the bones first: most pairs are far apart.
+        between = np.linalg.norm(a + b - c - d, axis=-1)
+        half = np.linalg.norm(b - a, axis=-1) + np.linalg.norm(d - c, axis=-1)
+        pair, frame = np.nonzero(between < half + 2.0 * (self.reach[:, None] + margin))
+        at = (pair, frame)
+        first, second = nearest_points((a[at], b[at]), (c[at], d[at]))
+        depth = self.reach[pair] - np.linalg.norm(first - second, axis=-1)
+        close = depth > -margin
+        return Near(pair[close], frame[close], first[close], second[close], depth[close])
+
+
 def collisions(
     skeleton: Skeleton,
     rotations: Array,
@@ -82,21 +158,15 @@ def collisions(
     ValueError
         If the thickness is not positive.
     """
-    if not thickness > 0.0:
-        raise ValueError(f"expected a positive thickness, found {thickness:g}")
-    bones = _bones(skeleton)
-    radii = thickness * _radii(skeleton, bones)
-    still = np.tile([1.0, 0.0, 0.0, 0.0], (1, skeleton.n_joints, 1))
-    rest, _ = forward_kinematics(skeleton, still)
+    capsules = Capsules.of(skeleton, thickness)
     places, _ = forward_kinematics(skeleton, rotations, translations=translations)
+    near = capsules.near(places)
     found = []
-    for first, second in _pairs(skeleton, bones):
-        reach = radii[first] + radii[second]
-        ends = [(skeleton.parents[bone], bone) for bone in (bones[first], bones[second])]
-        if _between(rest, ends)[0] < reach:
-            continue
-        names = (skeleton.names[bones[first]], skeleton.names[bones[second]])
-        found += _meetings(names, reach - _between(places, ends))
+    for pair in np.unique(near.pair):
+        depth = np.zeros(len(places))
+        depth[near.frame[near.pair == pair]] = near.depth[near.pair == pair]
+        first, second = capsules.lower[pair]
+        found += _meetings((skeleton.names[first], skeleton.names[second]), depth)
     return sorted(found, key=lambda met: met.start)
 
 
@@ -139,13 +209,14 @@ def _joints_between(first: list[int], second: list[int]) -> int:
     return apart - (1 if inline else 2)
 
 
-def _between(places: Array, ends: list[tuple[int, int]]) -> Array:
-    (a, b), (c, d) = ends
-    return segment_distances((places[:, a], places[:, b]), (places[:, c], places[:, d]))
-
-
 def segment_distances(first: Segments, second: Segments) -> Array:
-    """Return the distances (n,) between segments, each given by its two ends (n, 3).
+    """Return the distances (n,) between segments, each given by its two ends (n, 3)."""
+    near, other = nearest_points(first, second)
+    return np.asarray(np.linalg.norm(near - other, axis=-1))
+
+
+def nearest_points(first: Segments, second: Segments) -> tuple[Array, Array]:
+    """Return the points (n, 3) at which segments, each given by its two ends, come nearest.
 
     The nearest points of both lines, clamped to one segment and then to the other
     (Ericson 2005, "Real-time collision detection", 5.1.9).
@@ -160,8 +231,7 @@ def segment_distances(first: Segments, second: Segments) -> Array:
     s = np.where(parallel, 0.0, np.clip((b * f - c * e) / np.where(parallel, 1.0, apart), 0, 1))
     t = np.clip((b * s + f) / np.maximum(e, tiny), 0.0, 1.0)
     s = np.clip((b * t - c) / np.maximum(a, tiny), 0.0, 1.0)
-    gap = w + s[..., None] * u - t[..., None] * v
-    return np.asarray(np.linalg.norm(gap, axis=-1))
+    return p + s[..., None] * u, q + t[..., None] * v
 
 
 def _meetings(names: tuple[str, str], depth: Array) -> list[Collision]:

@@ -8,7 +8,7 @@ import pytest
 from roundelay import find_cycles, synth
 from roundelay.cycles.footlock import lock_feet, lock_offsets, move_foot
 from roundelay.geometry import rotations as rot
-from roundelay.geometry.contacts import contacts, find_feet, foot_points, skate
+from roundelay.geometry.contacts import contacts, find_feet, foot_points, shoulders, skate
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.motion import Motion
 
@@ -38,6 +38,12 @@ def test_hands_on_the_ground_are_feet(walk: Motion) -> None:
     skeleton = dataclasses.replace(walk.skeleton, names=names)
     feet = find_feet(skeleton, upside_down, walk.up)
     assert walk.skeleton.index("LeftFoot") not in {foot.ankle for foot in feet}
+
+
+def test_shoulders_are_above_the_upper_arms(walk: Motion, jumps: Motion) -> None:
+    for motion in (walk, jumps):
+        found = shoulders(motion.skeleton, motion.positions(), motion.up)
+        assert [motion.skeleton.names[joint] for joint in found] == ["LeftArm", "RightArm"]
 
 
 def test_contacts_are_low_and_slow() -> None:

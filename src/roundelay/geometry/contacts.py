@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from roundelay.geometry import rotations as rot
 from roundelay.skeleton import Skeleton
 
-__all__ = ["Foot", "contacts", "find_feet", "foot_points", "free_limbs", "skate"]
+__all__ = ["Foot", "contacts", "find_feet", "foot_points", "free_limbs", "shoulders", "skate"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -86,14 +86,35 @@ def free_limbs(skeleton: Skeleton, positions: Array, up: int) -> list[int]:
 
     Arguments as for `find_feet`.
     """
+    return sorted({joint for limb in _arms(skeleton, positions, up) for joint in limb})
+
+
+def shoulders(skeleton: Skeleton, positions: Array, up: int) -> list[int]:
+    """Return the joint at which each free limb turns as a whole: a person's shoulders.
+
+    It lies above the bone that is long itself and has much below it: an upper arm, neither a
+    collar bone nor a forearm.
+
+    Arguments as for `find_feet`.
+    """
+    lengths = np.linalg.norm(skeleton.offsets, axis=1)
+    arms = sorted(_arms(skeleton, positions, up), key=lambda limb: lengths[limb[1:]].sum())
+    found = {}
+    for limb in arms:
+        bones = lengths[limb[1:]]
+        below = np.cumsum(bones[::-1])[::-1] - bones
+        # Thumb and fingers end one arm: the longest way down comes last and counts.
+        found[limb[0]] = limb[int(np.argmax(np.minimum(bones, below)))]
+    return sorted(found.values())
+
+
+def _arms(skeleton: Skeleton, positions: Array, up: int) -> list[list[int]]:
     legs = {foot.hip for foot in find_feet(skeleton, positions, up)}
     lengths = np.linalg.norm(skeleton.offsets, axis=1)
-    found: set[int] = set()
-    for leaf in sorted(set(range(skeleton.n_joints)) - set(skeleton.parents)):
-        limb = _limb(skeleton, leaf)
-        if legs.isdisjoint(limb) and lengths[limb[1:]].sum() > _LONG * skeleton.size:
-            found.update(limb)
-    return sorted(found)
+    leaves = set(range(skeleton.n_joints)) - set(skeleton.parents)
+    limbs = [_limb(skeleton, leaf) for leaf in sorted(leaves)]
+    long = _LONG * skeleton.size
+    return [x for x in limbs if legs.isdisjoint(x) and lengths[x[1:]].sum() > long]
 
 
 def _limb(skeleton: Skeleton, leaf: int) -> list[int]:

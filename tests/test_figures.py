@@ -10,7 +10,9 @@ import pytest
 import roundelay as rl
 import roundelay.figures as figures
 from roundelay import synth
+from roundelay.excitation import Excitations, excitations
 from roundelay.figures.palette import phase_colours
+from roundelay.poses import point_cloud
 from roundelay.segmentation import segment
 
 
@@ -61,6 +63,9 @@ WHOLE = {
     "angles": lambda cycle, walk: figures.angles(walk, cycle),
     "strip": lambda cycle, walk: figures.strip(cycle.sample()),
     "timeline": lambda cycle, walk: figures.timeline(segment(walk)),
+    "excitations": lambda cycle, walk: figures.excitations(
+        walk, excitations(point_cloud(walk), walk.fps)
+    ),
 }
 
 
@@ -72,6 +77,16 @@ def test_saved(name, suffix, cycle, walk, tmp_path):
     start = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix]
     assert path.read_bytes().startswith(start)
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_excitations_have_a_row_a_class(walk, cycle):
+    found = excitations(point_cloud(walk), walk.fps, classes=3)
+    bars, *rows = figures.excitations(walk, found).axes
+    assert len(rows) == 3
+    coloured = {line.get_color() for line in bars.lines}
+    assert len(coloured) == 1 + 3
+    none = figures.excitations(walk, Excitations(found.barcode, ()))
+    assert none.axes[1].get_title(loc="left") == "no class stands out from noise"
 
 
 def test_the_density_is_one(cycle):

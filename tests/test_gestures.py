@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import roundelay as rl
 from roundelay import synth
+from roundelay.cli import app
 from roundelay.excitation import Region
 from roundelay.gestures import gesture_runs
 
@@ -52,6 +56,32 @@ def test_only_the_chosen_frames_are_searched(made):
     whole = rl.find_cycles(made.motion, rl.Options(gestures=True))[0]
     assert found.evidence.runs[0][0] >= span[0]
     assert np.allclose(found.evidence.runs[1:], whole.evidence.runs[1:], atol=2)
+
+
+def test_the_commands_show_and_loop_gestures(made, tmp_path):
+    path = tmp_path / "jacks.bvh"
+    rl.write(made.motion, path)
+    shown = CliRunner().invoke(app, ["excitations", str(path), "-o", str(tmp_path), "--json"])
+    classes = json.loads(shown.stdout)["classes"]
+    whole = [[r["frames"] for r in one["regions"] if r["net_turns"] > 0.75] for one in classes]
+    assert any(len(regions) == 3 for regions in whole)
+    assert (tmp_path / "jacks_excitations.png").exists()
+    assert json.loads((tmp_path / "jacks_excitations.json").read_text())["classes"] == classes
+    looped = CliRunner().invoke(app, ["loop", str(path), "-o", str(tmp_path), "--gestures"])
+    assert looped.exit_code == 0, looped.output
+    assert len(json.loads((tmp_path / "jacks_loop.json").read_text())["cycles"][0]["parts"]) == 3
+
+
+def test_frames_of_the_command_are_those_of_the_capture(made, tmp_path):
+    path = tmp_path / "jacks.bvh"
+    rl.write(made.motion, path)
+    arguments = ["excitations", str(path), "-o", str(tmp_path), "--no-picture", "--frames"]
+    shown = CliRunner().invoke(app, [*arguments, f"{made.cuts[1]}:", "--json"])
+    regions = json.loads(shown.stdout)["classes"][0]["regions"]
+    assert all(made.cuts[1] <= frame <= len(made.motion) for r in regions for frame in r["frames"])
+    wrong = CliRunner().invoke(app, [*arguments, "5:90000"])
+    assert wrong.exit_code == 2
+    assert "expected frames within 0 and" in wrong.output
 
 
 def test_wandering_holds_no_gesture():

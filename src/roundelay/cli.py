@@ -9,6 +9,7 @@ import typer
 
 from roundelay.commands.blend import blend, transition
 from roundelay.commands.convert import convert
+from roundelay.commands.excitations import excitations
 from roundelay.commands.inspect import inspect
 from roundelay.commands.loop import loop
 from roundelay.commands.segment import segment
@@ -23,7 +24,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     help="From raw motion capture to seamless, loopable cycles.",
 )
-for command in (loop, segment, inspect, view, blend, transition, convert):
+for command in (loop, segment, inspect, excitations, view, blend, transition, convert):
     app.command()(command)
 
 

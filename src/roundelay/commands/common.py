@@ -94,7 +94,7 @@ def frame_range(text: str | None, frames: int) -> tuple[int, int] | None:
     Raises
     ------
     ValueError
-        If the text is not of this form.
+        If the text is not of this form, or the frames are not all there.
     """
     if text is None:
         return None
@@ -102,9 +102,12 @@ def frame_range(text: str | None, frames: int) -> tuple[int, int] | None:
     try:
         if not colon:
             raise ValueError
-        return int(start or 0), int(stop or frames)
+        first, last = int(start or 0), int(stop or frames)
     except ValueError:
         raise ValueError(f"expected frames as START:STOP, found {text!r}") from None
+    if not 0 <= first < last <= frames:
+        raise ValueError(f"expected frames within 0 and {frames}, found {first} to {last}")
+    return first, last
 
 
 def output_directory(path: Path) -> Path:

@@ -5,6 +5,7 @@ Those that take ``axes`` draw into the caller's figure; the others return a figu
 for `save`, which writes PNG, SVG or PDF by the suffix.
 """
 
+from roundelay.figures.excitation import excitations
 from roundelay.figures.inspection import inspection, persistence_diagram
 from roundelay.figures.overview import barcode, coordinate, overview, plane
 from roundelay.figures.phase import circle_density, density, period_line, remaps
@@ -21,6 +22,7 @@ __all__ = [
     "circle_density",
     "coordinate",
     "density",
+    "excitations",
     "inspection",
     "method_curve",
     "new_figure",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,11 +28,12 @@ Array = NDArray[np.float64]
 _MOST_BARS = 30
 
 
-def barcode(axes: Axes, bars: Barcode, chosen: int = 0) -> None:
-    """Draw degree-1 bars, the longest at the bottom, the chosen one in colour ([A] fig. 4)."""
-    shown = min(len(bars), _MOST_BARS)
+def barcode(axes: Axes, bars: Barcode, chosen: int | Mapping[int, str] = 0) -> None:
+    """Draw degree-1 bars, the longest at the bottom, chosen ones in colour ([A] fig. 4, 7)."""
+    colours = {chosen: ACCENT} if isinstance(chosen, int) else chosen
+    shown = min(len(bars), max(_MOST_BARS, 1 + max(colours, default=0)))
     for row in range(shown):
-        colour = ACCENT if row == chosen else INK
+        colour = colours.get(row, INK)
         axes.plot([bars.births[row], bars.deaths[row]], [row, row], color=colour, lw=2.5)
     hidden = len(bars) - shown
     title = "barcode, degree 1" + (f" ({hidden} short bars not shown)" if hidden else "")

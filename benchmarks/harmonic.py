@@ -27,7 +27,7 @@ import json
 import time
 import timeit
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +38,7 @@ import roundelay
 from benchmarks.harmonic_metrics import composed, errors, euler_angles
 from benchmarks.raunio_tables import PUBLISHED, SCALE, Published
 from roundelay import pipeline
-from roundelay.cycles import paper
+from roundelay.cycles import models, paper
 from roundelay.cycles.fitting import fit_cycle
 from roundelay.cycles.tempo import time_phase
 from roundelay.detection import candidate_parts
@@ -87,16 +87,16 @@ def faithful(motion: Motion, row: Published) -> dict[str, dict[str, Any]]:
     """Run M1, M2 and M3 with the settings of the tables."""
     angles = euler_angles(motion, motion.rotations)
     results = {}
-    for model in ("M1", "M2", "M3"):
-        options = paper.PaperOptions(model=model, scale=SCALE[row.kind])
+    for name, model in (("M1", models.M1), ("M2", models.M2), ("M3", models.M3)):
+        options = paper.PaperOptions(model, scale=SCALE[row.kind])
         try:
             found = with_primes(angles.reshape(len(motion), -1), options)
         except roundelay.RoundelayError as error:
-            results[model] = {"failed": str(error)}
+            results[name] = {"failed": str(error)}
             continue
         loop = found.sample().reshape(-1, *angles.shape[1:])
         turned = composed(motion, loop)
-        results[model] = {
+        results[name] = {
             **errors(motion, turned),
             "plain": paper.template_error(angles.reshape(len(motion), -1), found.sample())[0],
             "rmse": found.errors,
@@ -109,7 +109,7 @@ def with_primes(values: Array, options: paper.PaperOptions) -> paper.PaperCycle:
     """Try another prime if the class does not lift, as [C] advises its user."""
     for prime in (options.prime, 11, 23):
         try:
-            return paper.extract(values, paper.PaperOptions(**{**asdict(options), "prime": prime}))
+            return paper.extract(values, replace(options, prime=prime))
         except roundelay.LiftError as error:
             refused = error
     raise refused

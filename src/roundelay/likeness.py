@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.cycles.cycle import Cycle
-from roundelay.cycles.paper import finite_differences
+from roundelay.cycles.models import finite_differences
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion
 from roundelay.timing import Run

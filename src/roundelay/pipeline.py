@@ -24,6 +24,7 @@ from roundelay.cloud import TopologyOptions
 from roundelay.cycles.centroid import centroid_cycle
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.fitting import fit_cycle
+from roundelay.cycles.paper_cycle import paper_cycle
 from roundelay.cycles.tempo import time_phase
 from roundelay.detection import leading_rest_pose
 from roundelay.errors import NoPeriod, TooShort
@@ -39,7 +40,7 @@ from roundelay.timing import Run
 __all__ = ["Options", "find_cycles", "find_periodic"]
 
 Array = NDArray[np.float64]
-Method = Literal["harmonic", "centroid"]
+Method = Literal["harmonic", "centroid", "paper"]
 Weights = Literal["none", "length", "mass"]
 
 # A longer capture that ends as it began is a take, not a loop, in seconds.
@@ -68,9 +69,15 @@ class Options:
     topology : TopologyOptions
         Prime, class, scale, velocity or delays, metric, dimensions.
     harmonics : int, optional
-        Number of harmonics of the cycle; by default what the period can need.
-    method : {"harmonic", "centroid"}
-        How poses become a cycle: harmonic regression ([C]) or centroids ([A] 4.4).
+        Number of harmonics of the cycle; by default what the period can need, and [C]'s 20
+        with the method "paper".
+    method : {"harmonic", "centroid", "paper"}
+        How poses become a cycle: harmonic regression of quaternions, centroids ([A] 4.4), or
+        [C]'s weighted regression of angles (eq. 3.14).
+    velocity, acceleration : bool
+        Constrain the method "paper" by the velocities and accelerations of the frames
+        ([C] 5.3 items 20, 21): both are [C]'s model M1, neither is M2. Other methods have
+        no such constraints.
     gestures : bool, optional
         Look for gestures, which recur with something else between (True), never (False), or
         where no part is periodic (the default; they must then recur three times).
@@ -85,6 +92,8 @@ class Options:
     topology: TopologyOptions = field(default_factory=TopologyOptions)
     harmonics: int | None = None
     method: Method = "harmonic"
+    velocity: bool = True
+    acceleration: bool = True
     gestures: bool | None = None
     most: int | None = None
 
@@ -121,8 +130,7 @@ def find_cycles(
         If `progress` returned False.
     """
     options, motion = options or Options(), motion.with_root_motion()
-    if options.method not in get_args(Method):
-        raise ValueError(f"expected a method among {get_args(Method)}, found {options.method!r}")
+    _check_method(options)
     found, points = _searched(motion, options, progress)
     cycles, refused = [], []
     for number, evidence in enumerate(found):
@@ -142,7 +150,27 @@ def _cycle(motion: Motion, points: Array, evidence: Evidence, options: Options) 
     if not evidence.closed:
         phase = time_phase(points, phase, evidence.runs, frame_time=motion.frame_time)
     cycle = fit_cycle(motion, phase, evidence.runs, harmonics=options.harmonics, evidence=evidence)
-    return centroid_cycle(cycle, motion) if options.method == "centroid" else cycle
+    if options.method == "centroid":
+        return centroid_cycle(cycle, motion)
+    if options.method == "paper":
+        return paper_cycle(
+            cycle,
+            motion,
+            harmonics=options.harmonics,
+            velocity=options.velocity,
+            acceleration=options.acceleration,
+        )
+    return cycle
+
+
+def _check_method(options: Options) -> None:
+    if options.method not in get_args(Method):
+        raise ValueError(f"expected a method among {get_args(Method)}, found {options.method!r}")
+    if options.method != "paper" and not (options.velocity and options.acceleration):
+        raise ValueError(
+            'only the method "paper" has velocities and accelerations to leave out, '
+            f"found {options.method!r}"
+        )
 
 
 def find_periodic(

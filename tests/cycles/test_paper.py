@@ -1,9 +1,11 @@
 """[C] to the letter: its equations by themselves, and on values whose answer is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from roundelay.cycles import paper
+from roundelay.cycles import models, paper
 from roundelay.cycles.harmonic import design_matrix
 from roundelay.errors import NoPeriod, TooShort
 
@@ -18,11 +20,11 @@ def turning() -> np.ndarray:
 
 def test_differences_are_exact_to_the_eighth_degree() -> None:
     x = np.arange(20) / 7.0
-    velocity, acceleration = paper.finite_differences((x**7)[:, None], 7.0)
+    velocity, acceleration = models.finite_differences((x**7)[:, None], 7.0)
     assert np.allclose(velocity[:, 0], 7 * x[4:-4] ** 6, rtol=1e-9, atol=1e-7)
     assert np.allclose(acceleration[:, 0], 42 * x[4:-4] ** 5, rtol=1e-8, atol=1e-6)
     with pytest.raises(TooShort):
-        paper.finite_differences(np.zeros((8, 1)), 4.0)
+        models.finite_differences(np.zeros((8, 1)), 4.0)
 
 
 def test_delay_embedding_stacks_following_frames() -> None:
@@ -31,16 +33,17 @@ def test_delay_embedding_stacks_following_frames() -> None:
     assert rows[0].tolist() == [0, 1, 2, 3, 4, 5]
 
 
-@pytest.mark.parametrize("model", ["M1", "M2", "M3"])
-def test_models_recover_a_harmonic_function(model: str) -> None:
+@pytest.mark.parametrize("name", ["M1", "M2", "M3"])
+def test_models_recover_a_harmonic_function(name: str) -> None:
     rng = np.random.default_rng(0)
     truth = rng.normal(size=(9, 3))
     phase = (np.arange(200) / 50.0) % 1.0
     values = design_matrix(phase, 4) @ truth
-    curve, errors = paper.fit_model(phase, values, 50.0, paper.PaperOptions(model, harmonics=6))
-    assert np.allclose(curve(phase), values, atol=1e-3)
-    assert errors[0] < 1e-3
-    assert np.isnan(errors[1]) == (model == "M2")
+    model = replace(getattr(models, name), harmonics=6)
+    fit = models.fit_model(phase, values, 50.0, model)
+    assert np.allclose(fit.curve(phase), values, atol=1e-3)
+    assert fit.errors[0] < 1e-3
+    assert np.isnan(fit.errors[1]) == (name == "M2")
 
 
 def test_m1_weighs_groups_by_their_own_noise() -> None:
@@ -49,20 +52,18 @@ def test_m1_weighs_groups_by_their_own_noise() -> None:
     phase = np.arange(300) / 60.0 % 1.0
     clean = np.column_stack([np.sin(2 * np.pi * phase), np.cos(4 * np.pi * phase)])
     noisy = clean + rng.normal(scale=0.02, size=clean.shape)
-    fits = {
-        model: paper.fit_model(phase, noisy, 60.0, paper.PaperOptions(model))[0]
-        for model in ("M1", "M2", "M3")
-    }
-    miss = {model: np.abs(fit(phase) - clean).max() for model, fit in fits.items()}
-    assert miss["M1"] < 0.05 < miss["M3"]
+    weighted = models.fit_model(phase, noisy, 60.0, models.M1)
+    unweighted = models.fit_model(phase, noisy, 60.0, models.M3)
+    assert np.abs(weighted.curve(phase) - clean).max() < 0.05
+    assert np.abs(unweighted.curve(phase) - clean).max() > 0.05
     # What [C] claims for M1: values, velocities and accelerations fitted equally well.
-    errors = paper.fit_model(phase, noisy, 60.0, paper.PaperOptions())[1]
+    errors = weighted.errors
     assert max(errors) < 1.5 * min(errors)
 
 
 @pytest.mark.parametrize("remap", ["rank", "mixture"])
 def test_extraction_finds_the_period(turning: np.ndarray, remap: str) -> None:
-    found = paper.extract(turning, paper.PaperOptions(harmonics=5, remap=remap))
+    found = paper.extract(turning, paper.PaperOptions(models.Model(5), remap=remap))
     assert found.period == pytest.approx(60.0, rel=0.02)
     assert found.period_count == pytest.approx(178 / 60, rel=0.02)
     assert found.sample().shape == (int(found.period), 6)
@@ -77,12 +78,17 @@ def test_extraction_says_why_it_fails() -> None:
         paper.extract(line, paper.PaperOptions(scale=2.0))
 
 
-def test_translation_has_a_line_where_asked() -> None:
-    x = np.arange(150) / 50.0
-    path = np.column_stack([2.0 * x + 0.1 * np.sin(2 * np.pi * x), np.cos(2 * np.pi * x)])
-    curve, slope = paper.fit_translation(x, path, 3, linear=[True, False])
-    assert slope == pytest.approx([2.0, 0.0], abs=1e-9)
-    assert np.allclose(curve(x) + x[:, None] * slope, path, atol=1e-9)
+@pytest.mark.parametrize("model", [models.M1, models.M2, models.M3])
+def test_a_line_is_found_beside_the_harmonics(model: models.Model) -> None:
+    """In two runs that begin at places of their own."""
+    x = np.concatenate([np.arange(110), 20 + np.arange(90)]) / 50.0
+    wave = np.column_stack([0.1 * np.sin(2 * np.pi * x), np.cos(4 * np.pi * x)])
+    path = wave + x[:, None] * [2.0, -0.3]
+    path[110:] += [5.0, -7.0]
+    runs = [(0, 110), (110, 200)]
+    fit = models.fit_model(x, path, 50.0, replace(model, harmonics=3), runs=runs, line=True)
+    assert fit.slope == pytest.approx([2.0, -0.3], abs=1e-5)
+    assert np.allclose(fit.curve(x) - fit.curve.constant, wave, atol=1e-5)
 
 
 def test_template_matching_finds_the_offset() -> None:

@@ -49,7 +49,15 @@ Harmonics = Annotated[
     int | None, typer.Option(help="Harmonics of the cycle.", min=1, max=500, show_default=False)
 ]
 Method = Annotated[
-    str, typer.Option(help="harmonic: a smooth regression; centroid: means of poses, as in [A].")
+    str,
+    typer.Option(
+        help="harmonic: a smooth regression; centroid: means of poses, as in [A]; paper: the "
+        "weighted regression of [C]."
+    ),
+]
+Velocity = Annotated[bool, typer.Option(help="Constrain the method paper by velocities, as [C].")]
+Acceleration = Annotated[
+    bool, typer.Option(help="Constrain the method paper by accelerations, as [C].")
 ]
 InPlace = Annotated[
     bool, typer.Option("--in-place/--travel", help="Leave the root's travel out, or keep it.")
@@ -89,6 +97,8 @@ def loop(
     classes: Most = None,
     harmonics: Harmonics = None,
     method: Method = "harmonic",
+    velocity: Velocity = True,
+    acceleration: Acceleration = True,
     in_place: InPlace = False,
     fps: Fps = None,
     periods: Periods = 1,
@@ -122,6 +132,8 @@ def loop(
                 gestures=gestures,
                 harmonics=harmonics,
                 method=method,
+                velocity=velocity,
+                acceleration=acceleration,
                 most=classes,
                 topology={
                     "prime": prime,

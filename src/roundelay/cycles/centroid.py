@@ -75,7 +75,7 @@ def centroid_cycle(
     if flips.any():
         names = [cycle.skeleton.names[joint] for joint in np.flatnonzero(flips)]
         raise ValueError(f"joints that make whole turns have no centroid: {', '.join(names)}")
-    pose = _interpolated(closed.reshape(samples, -1))
+    pose = HarmonicCurve.through(closed.reshape(samples, -1))
     return replace(cycle, pose=pose, odd_pose=None)
 
 
@@ -95,12 +95,3 @@ def _centroid(local: Array, theta: Array, place: float, neighbours: int, gaussia
         width = max(float(apart[nearest].max()) / 2.0, 1e-9)
         weights = np.exp(-0.5 * (apart[nearest] / width) ** 2)
     return rot.mean(local[nearest], weights)
-
-
-def _interpolated(values: Array) -> HarmonicCurve:
-    """Return the trigonometric polynomial through values (n, d) at phases 0, 1 / n, ..."""
-    spectrum = np.fft.rfft(values, axis=0) / len(values)
-    count = (len(values) - 1) // 2
-    inner = spectrum[1 : count + 1]
-    frequencies = np.arange(1.0, count + 1)
-    return HarmonicCurve(frequencies, spectrum[0].real, -2.0 * inner.imag, 2.0 * inner.real)

@@ -73,6 +73,19 @@ class HarmonicCurve:
         frequencies = np.arange(1.0, count + 1)
         return cls(frequencies, solution[-1], solution[:count], solution[count:-1])
 
+    @classmethod
+    def through(cls, values: Array, *, odd: bool = False) -> HarmonicCurve:
+        """Return the trigonometric polynomial through values (n, d) at phases 0, 1 / n, ...
+
+        Of even n it leaves the highest frequency out; `odd` gives one with h(x + 1) = -h(x).
+        """
+        spectrum = np.fft.rfft(np.concatenate([values, -values if odd else values]), axis=0)
+        spectrum /= 2 * len(values)
+        bins = np.arange(1 if odd else 2, len(values), 2)
+        frequencies: Array = np.asarray(0.5 * bins, float)
+        inner = spectrum[bins]
+        return cls(frequencies, spectrum[0].real, -2.0 * inner.imag, 2.0 * inner.real)
+
     def integral(self, phase: ArrayLike) -> Array:
         """Return the integral over phase from 0, (n, d), the constant's included."""
         x = np.asarray(phase, float)

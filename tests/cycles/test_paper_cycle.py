@@ -1,0 +1,102 @@
+"""[C]'s regression as a method of the main job, on motion whose truth is known and on captures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import roundelay as rl
+from roundelay import synth
+from roundelay.cycles.paper_cycle import paper_cycle
+from roundelay.errors import TooShort
+from roundelay.geometry import rotations as rot
+from roundelay.quality import quality
+
+PAPER = rl.Options(method="paper")
+
+
+@pytest.fixture(scope="module")
+def made() -> synth.Synthetic:
+    return synth.gait("walk", repetitions=4, noise=0.01)
+
+
+def apart(cycle: rl.Cycle, motion: rl.Motion) -> float:
+    """Return the largest mean angle of joints from the loop's poses to the nearest of a motion."""
+    poses = cycle.rotations(np.arange(100) / 100)[:, 1:]
+    angles = rot.angle_between(poses[:, None], motion.rotations[None, :, 1:]).mean(axis=2)
+    return float(angles.min(axis=1).max())
+
+
+def test_the_loop_is_the_motion(made):
+    clean = synth.gait("walk", repetitions=1).motion
+    (cycle,) = rl.find_cycles(made.motion, PAPER)
+    (default,) = rl.find_cycles(made.motion)
+    assert apart(cycle, clean) < 0.03
+    assert cycle.period == default.period
+    assert cycle.travel == pytest.approx(default.travel, abs=0.01 * np.ptp(default.travel))
+
+
+def test_constraints_keep_the_speed(jumps, jump_cycles):
+    """What [C] has them for: without, the loop follows each frame and is rougher."""
+    figures = {}
+    for velocity in (True, False):
+        for acceleration in (True, False):
+            cycle = paper_cycle(jump_cycles[0], jumps, velocity=velocity, acceleration=acceleration)
+            figures[velocity, acceleration] = quality(cycle, jumps)
+    speed = {used: one.velocity_error for used, one in figures.items()}
+    assert speed[True, True] < speed[True, False] < speed[False, True] < speed[False, False]
+    assert figures[False, False].loop_jerk > 3.0 * figures[True, True].loop_jerk
+    assert figures[False, False].loop_jerk > 3.0 * figures[False, True].loop_jerk
+
+
+@pytest.mark.parametrize("method", ["harmonic", "centroid"])
+def test_other_methods_have_no_constraints(made, method):
+    for switched in ({"velocity": False}, {"acceleration": False}):
+        with pytest.raises(ValueError, match='only the method "paper" has velocities'):
+            rl.find_cycles(made.motion, rl.Options(method=method, **switched))
+
+
+def test_differences_stay_within_runs(jumps, jump_cycles):
+    """Three runs of jumps in different directions make one closed loop that travels as far."""
+    cycle = rl.find_cycles(jumps, PAPER)[0]
+    assert len(cycle.evidence.runs) == 3
+    figures, default = quality(cycle, jumps), quality(jump_cycles[0], jumps)
+    assert figures.template_error < 1.3 * default.template_error
+    assert figures.seam_rotation <= figures.step_rotation
+    travel = [np.linalg.norm(one.travel) for one in (cycle, jump_cycles[0])]
+    assert travel[0] == pytest.approx(travel[1], rel=0.03)
+
+
+def test_a_walk_on_a_circle_stays_one():
+    motion = synth.gait("walk", repetitions=2.6, turning=0.8).motion
+    cycle, default = (rl.find_cycles(motion, options)[0] for options in (PAPER, None))
+    assert cycle.turning == default.turning
+    assert np.linalg.norm(cycle.travel - default.travel) < 0.03 * np.linalg.norm(default.travel)
+
+
+@pytest.mark.parametrize("turns", [1, 2])
+def test_a_joint_that_turns_all_the_way_comes_back(turns):
+    made = synth.gait("walk", repetitions=3.2)
+    hand = made.motion.skeleton.index("LeftHand")
+    spun = made.motion.rotations.copy()
+    around = 2 * np.pi * turns * made.phase[:, None] * np.array([1.0, 0.0, 0.0])
+    spun[:, hand] = rot.multiply(spun[:, hand], rot.from_rotation_vector(around))
+    motion = replace(made.motion, rotations=spun)
+    cycle = rl.find_cycles(motion, PAPER)[0]
+    assert (cycle.odd_pose is not None) == (turns == 1)
+    assert apart(cycle, motion) < 0.03
+    loop = cycle.sample().rotations[:, hand]
+    steps = rot.angle_between(loop, np.roll(loop, -1, axis=0))
+    assert steps.sum() == pytest.approx(2 * np.pi * turns, rel=0.1)
+    assert steps.max() < 1.5 * steps.mean()
+
+
+def test_what_it_cannot_do_is_said(made):
+    cycle = rl.find_cycles(made.motion)[0]
+    with pytest.raises(ValueError, match="with its evidence"):
+        paper_cycle(replace(cycle, evidence=None), made.motion)
+    short = replace(cycle, evidence=replace(cycle.evidence, runs=((0, 8),)))
+    with pytest.raises(TooShort, match="at least 9 frames"):
+        paper_cycle(short, made.motion)

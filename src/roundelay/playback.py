@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.standing import standing_feet
 from roundelay.geometry.collision import collisions
-from roundelay.geometry.contacts import contacts, find_feet, foot_points, stretches
-from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.geometry.contacts import stretches
 
 __all__ = ["foot_contacts", "playback_record"]
 
@@ -90,25 +90,15 @@ def foot_contacts(cycle: Cycle, fps: float) -> dict[str, list[list[int]]]:
         Lists of ``[start, stop]`` in frames of one period, ``start`` within it.
     """
     count = max(1, round(cycle.period * fps))
-    # The periods before and after decide about feet that stand across the seam.
-    around = cycle.at(np.arange(-count, 2 * count) / count, frame_time=1.0 / fps)
-    places, turns = forward_kinematics(
-        around.skeleton, around.rotations, around.root_path, translations=around.translations
-    )
-    feet = find_feet(around.skeleton, places, around.up)
-    if not feet:
-        return {}
-    points = foot_points(feet, places, turns)
-    standing = contacts(points, fps=fps, size=around.skeleton.size, up=around.up)
+    feet, standing = standing_feet(cycle, count)
     names = [cycle.skeleton.names[foot.joint] for foot in feet]
     return {name: _stands(mask, count) for name, mask in zip(names, standing.T, strict=True)}
 
 
 def _stands(mask: Mask, count: int) -> list[list[int]]:
-    """Ranges of the middle one of three periods, in its frames, each told where it begins."""
-    middle = mask[count : 2 * count]
-    if middle.all():
+    """Ranges of one period in which a foot stands, each told where it begins."""
+    if mask.all():
         return [[0, count]]
     # What stands at the first frame began before it, unless nothing stands at the last.
-    first = 1 if middle[-1] else 0
-    return [[a, b] for a, b in stretches(np.tile(middle, 2)) if first <= a < count]
+    first = 1 if mask[-1] else 0
+    return [[a, b] for a, b in stretches(np.tile(mask, 2)) if first <= a < count]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -62,6 +65,29 @@ def test_mirroring_is_used_where_it_fits_better(walk):
     plain, better = align(walk, other), align(walk, other, mirror=True)
     assert better.mirrored
     assert better.distance < 1e-6 < plain.distance
+
+
+def test_feet_can_decide_about_the_phase(captures):
+    walk = rl.find_cycles(rl.read(captures / "01_03.bvh"))[0]
+    legs = [n for n, name in enumerate(walk.skeleton.names) if re.search("Leg|Foot|Toe", name)]
+    other = np.repeat(~np.isin(np.arange(walk.skeleton.n_joints), legs), 4)
+    late = shifted(walk, 0.25).pose
+    # All but the legs moves thrice as far, a quarter of a period late.
+    dancing = replace(
+        walk.pose,
+        sine=np.where(other, 3.0 * late.sine, walk.pose.sine),
+        cosine=np.where(other, 3.0 * late.cosine, walk.pose.cosine),
+    )
+    dance = shifted(replace(walk, pose=dancing), 0.3)
+    assert abs(align(walk, dance).offset - 0.7) > 0.05
+    assert abs(align(walk, dance, by="contacts").offset - 0.7) < 0.03
+    with pytest.raises(ValueError, match="contacts"):
+        align(walk, dance, by="eye")
+
+
+def test_poses_decide_where_no_feet_are_told(walk):
+    still = shifted(walk, 0.2)
+    assert align(walk, still, by="contacts").offset == pytest.approx(0.8, abs=0.01)
 
 
 def test_blends_go_from_one_to_the_other_without_a_turn_back(walk, run):

@@ -20,6 +20,9 @@ Weights = Annotated[
     str | None,
     typer.Option(help="One share a capture, with commas; equal by default.", show_default=False),
 ]
+Align = Annotated[
+    str, typer.Option(help="What agrees at equal phases: poses, or contacts of the feet.")
+]
 Mirror = Annotated[
     bool, typer.Option("--mirror", help="Exchange left and right where that fits better.")
 ]
@@ -36,6 +39,7 @@ def blend(
     captures: Captures,
     output: Output,
     weights: Weights = None,
+    align: Align = "poses",
     mirror: Mirror = False,
     fps: Fps = None,
     in_place: InPlace = False,
@@ -52,7 +56,7 @@ def blend(
 
         cycles = [_best_cycle(path) for path in captures]
         shares = [1.0 / len(cycles)] * len(cycles) if weights is None else _numbers(weights)
-        mixed = blend_cycles(cycles, shares, mirror=mirror)
+        mixed = blend_cycles(cycles, shares, by=align, mirror=mirror)  # type: ignore[arg-type]
         loop = mixed.sample(fps, in_place=in_place, repeat_first=repeat_first)
         output_directory(output.parent)
         write(loop, output)
@@ -66,6 +70,7 @@ def transition(
     seconds: Annotated[float, typer.Option(help="How long the transition lasts.")] = 0.5,
     before: Annotated[float, typer.Option(help="Seconds of the first cycle before it.")] = 1.0,
     after: Annotated[float, typer.Option(help="Seconds of the second cycle after it.")] = 1.0,
+    align: Align = "poses",
     mirror: Mirror = False,
     fps: Fps = None,
 ) -> None:
@@ -81,6 +86,7 @@ def transition(
             before=before,
             after=after,
             fps=fps,
+            by=align,  # type: ignore[arg-type]
             mirror=mirror,
         )
         output_directory(output.parent)

@@ -8,20 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.harmonic import HarmonicCurve
+from roundelay.cycles.standing import standing_feet
+from roundelay.cycles.tempo import lowest_between
 from roundelay.geometry import rotations as rot
 from roundelay.geometry import symmetry
 from roundelay.geometry.kinematics import heading
 from roundelay.poses import point_cloud
 
-__all__ = ["Alignment", "align", "mapped", "mirrored", "shifted"]
+__all__ = ["Alignment", "Criterion", "align", "mapped", "mirrored", "shifted"]
 
 Array = NDArray[np.float64]
+Criterion = Literal["poses", "contacts"]
 
 # Phases at which cycles are compared.
 _GRID = 128
@@ -116,15 +120,20 @@ def mapped(curve: HarmonicCurve, change: Callable[[Array], Array]) -> HarmonicCu
     )
 
 
-def align(first: Cycle, second: Cycle, *, mirror: bool = False) -> Alignment:
+def align(
+    first: Cycle, second: Cycle, *, by: Criterion = "poses", mirror: bool = False
+) -> Alignment:
     """Bring a cycle into phase and heading with another ([A] section 7: a search in one dimension).
 
     Parameters
     ----------
     first, second : Cycle
         Of one skeleton; bone lengths may differ.
+    by : {"poses", "contacts"}
+        What shall agree: the poses, or when the feet stand; where they stand equally well at
+        several phases, and where not the same feet do, the poses decide.
     mirror : bool
-        Try the second one mirrored as well and take the better.
+        Try the second one mirrored as well and take the one whose poses are nearer.
 
     Returns
     -------
@@ -134,33 +143,42 @@ def align(first: Cycle, second: Cycle, *, mirror: bool = False) -> Alignment:
     ------
     SkeletonMismatch
         Naming the joints that only one of them has.
+    ValueError
+        If the criterion is unknown.
     """
+    if by not in get_args(Criterion):
+        raise ValueError(f"expected by among {get_args(Criterion)}, found {by!r}")
     first.skeleton.require_same(second.skeleton)
     tried = [(second, False)] + ([(mirrored(second), True)] if mirror else [])
-    found = [_in_phase(first, candidate, swapped) for candidate, swapped in tried]
+    found = [_in_phase(first, candidate, by, swapped) for candidate, swapped in tried]
     return min(found, key=lambda alignment: alignment.distance)
 
 
-def _in_phase(first: Cycle, second: Cycle, swapped: bool) -> Alignment:
+def _in_phase(first: Cycle, second: Cycle, by: Criterion, swapped: bool) -> Alignment:
     grid = np.arange(_GRID) / _GRID
-    ours, theirs = (point_cloud(c.at(grid, frame_time=1.0)) for c in (first, second))
-    # |a(x) - b(x + s)|^2 summed over x, for all s at once by the correlation theorem.
-    product = np.fft.irfft(
-        (np.conj(np.fft.rfft(ours, axis=0)) * np.fft.rfft(theirs, axis=0)).sum(axis=1), _GRID
-    )
-    squares = np.sum(ours**2) + np.sum(theirs**2) - 2.0 * product
-    best = int(np.argmin(squares))
-    offset = (best + _parabola(squares[[best - 1, best, (best + 1) % _GRID]])) / _GRID
+    squares = _apart(*(point_cloud(c.at(grid, frame_time=1.0)) for c in (first, second)))
+    allowed = _same_contacts(first, second) if by == "contacts" else np.ones(_GRID, bool)
+    best = int(np.argmin(np.where(allowed, squares, np.inf)))
+    offset = (best + lowest_between(squares[[best - 1, best, (best + 1) % _GRID]])) / _GRID
     distance = float(np.sqrt(max(squares[best], 0.0) / (_GRID * first.skeleton.n_joints)))
     turn = _facing(first) - _facing(second)
     return Alignment(_turned(shifted(second, offset), turn), offset % 1.0, distance, swapped)
 
 
-def _parabola(values: Array) -> float:
-    """Return where between -1/2 and 1/2 the parabola through three values is least."""
-    before, here, after = values
-    bend = before - 2.0 * here + after
-    return 0.0 if bend <= 0.0 else float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5))
+def _apart(ours: Array, theirs: Array) -> Array:
+    """Sum |a(x) - b(x + s)|^2 over x, for all s at once by the correlation theorem."""
+    product = np.conj(np.fft.rfft(ours, axis=0)) * np.fft.rfft(theirs, axis=0)
+    correlation = np.fft.irfft(product.sum(axis=1), len(ours))
+    return np.asarray(np.sum(ours**2) + np.sum(theirs**2) - 2.0 * correlation)
+
+
+def _same_contacts(first: Cycle, second: Cycle) -> NDArray[np.bool_]:
+    """Tell the shifts (_GRID,) at which the feet stand at the same time, as nearly as they can."""
+    (ours, one), (theirs, two) = (standing_feet(cycle, _GRID) for cycle in (first, second))
+    if [foot.joint for foot in ours] != [foot.joint for foot in theirs]:
+        return np.ones(_GRID, bool)
+    differing = np.round(_apart(one.astype(float), two.astype(float)))
+    return np.asarray(differing == differing.min())
 
 
 def _facing(cycle: Cycle) -> float:

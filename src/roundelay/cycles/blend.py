@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roundelay.cycles.alignment import align, mapped
+from roundelay.cycles.alignment import Criterion, align, mapped
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.harmonic import HarmonicCurve
 from roundelay.geometry import rotations as rot
@@ -42,8 +42,10 @@ class CycleSpace:
     cycles: tuple[Cycle, ...]
 
     @classmethod
-    def of(cls, cycles: Sequence[Cycle], *, mirror: bool = False) -> CycleSpace:
-        """Align cycles to the first of them.
+    def of(
+        cls, cycles: Sequence[Cycle], *, by: Criterion = "poses", mirror: bool = False
+    ) -> CycleSpace:
+        """Align cycles to the first of them; `by` and `mirror` as for `align`.
 
         Raises
         ------
@@ -55,7 +57,7 @@ class CycleSpace:
         if not cycles:
             raise ValueError("expected at least one cycle")
         first = cycles[0]
-        others = [align(first, other, mirror=mirror).cycle for other in cycles[1:]]
+        others = [align(first, other, by=by, mirror=mirror).cycle for other in cycles[1:]]
         return cls((first, *[_same_signs(first, other) for other in others]))
 
     def cycle(self, weights: ArrayLike) -> Cycle:
@@ -197,9 +199,15 @@ def _combined(curves: Sequence[HarmonicCurve], weights: Array) -> HarmonicCurve:
     return HarmonicCurve(longest.frequencies, constant, sine, cosine)
 
 
-def blend(cycles: Sequence[Cycle], weights: ArrayLike, *, mirror: bool = False) -> Cycle:
+def blend(
+    cycles: Sequence[Cycle],
+    weights: ArrayLike,
+    *,
+    by: Criterion = "poses",
+    mirror: bool = False,
+) -> Cycle:
     """Align cycles and blend them with convex weights ([A] 4.5); see `CycleSpace`."""
-    return CycleSpace.of(cycles, mirror=mirror).cycle(weights)
+    return CycleSpace.of(cycles, by=by, mirror=mirror).cycle(weights)
 
 
 def transition(
@@ -210,6 +218,7 @@ def transition(
     before: float = 1.0,
     after: float = 1.0,
     fps: float | None = None,
+    by: Criterion = "poses",
     mirror: bool = False,
 ) -> Motion:
     """Go from one cycle to another while the phase runs on ([A] 4.5).
@@ -226,6 +235,8 @@ def transition(
         Seconds of the first cycle before it and of the second after it.
     fps : float, optional
         Frames a second; the first cycle's by default.
+    by : {"poses", "contacts"}
+        What shall agree at equal phases; see `roundelay.cycles.alignment.align`.
     mirror : bool
         Let the second cycle be mirrored where that fits better.
 
@@ -245,7 +256,7 @@ def transition(
             "expected a transition of up to 60 s and no negative durations, found "
             f"{seconds:g}, {before:g} and {after:g}"
         )
-    space, rate = CycleSpace.of([first, second], mirror=mirror), fps or first.fps
+    space, rate = CycleSpace.of([first, second], by=by, mirror=mirror), fps or first.fps
     time = np.arange(round((before + seconds + after) * rate) + 1) / rate
     share = np.clip((time - before) / seconds, 0.0, 1.0)
     share = share * share * (3.0 - 2.0 * share)

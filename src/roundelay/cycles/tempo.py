@@ -11,7 +11,7 @@ from roundelay.cycles.harmonic import crossfade_weights, fit_harmonic, highest_h
 from roundelay.poses import principal_components
 from roundelay.timing import Run, line_period, phase_map, smooth_turns
 
-__all__ = ["agreement_period", "time_phase"]
+__all__ = ["agreement_period", "lowest_between", "time_phase"]
 
 Array = NDArray[np.float64]
 
@@ -95,10 +95,14 @@ def agreement_period(poses: Array, runs: Sequence[Run], period: float) -> float:
     if not np.isfinite(apart).all():
         return period
     best = int(np.clip(np.argmin(apart), 1, len(lags) - 2))
-    before, here, after = apart[best - 1 : best + 2]
+    return float(lags[best]) + lowest_between(apart[best - 1 : best + 2])
+
+
+def lowest_between(values: Array) -> float:
+    """Return where between -1 and 1 the parabola through three values, at -1, 0, 1, is least."""
+    before, here, after = values
     bend = before - 2.0 * here + after
-    shift = 0.5 * (before - after) / bend if bend > 0.0 else 0.0
-    return float(lags[best] + np.clip(shift, -1.0, 1.0))
+    return float(np.clip(0.5 * (before - after) / bend, -1.0, 1.0)) if bend > 0.0 else 0.0
 
 
 def _disagreement(poses: Array, runs: Sequence[Run], lag: int) -> float:

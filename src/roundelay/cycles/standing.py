@@ -1,0 +1,38 @@
+"""When the feet of a cycle stand."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from roundelay.cycles.cycle import Cycle
+from roundelay.geometry.contacts import Foot, Mask, contacts, find_feet, foot_points
+from roundelay.geometry.kinematics import forward_kinematics
+
+__all__ = ["standing_feet"]
+
+
+def standing_feet(cycle: Cycle, count: int) -> tuple[tuple[Foot, ...], Mask]:
+    """Tell when the feet stand, at even phases of one period.
+
+    Parameters
+    ----------
+    cycle : Cycle
+    count : int
+        How many phases.
+
+    Returns
+    -------
+    feet : tuple of Foot
+    standing : (count, n) ndarray of bool
+    """
+    # The periods before and after decide about feet that stand across the seam.
+    phases = np.arange(-count, 2 * count) / count
+    around = cycle.at(phases, frame_time=cycle.period / count)
+    places, turns = forward_kinematics(
+        around.skeleton, around.rotations, around.root_path, translations=around.translations
+    )
+    feet = find_feet(around.skeleton, places, around.up)
+    points = foot_points(feet, places, turns)
+    size = around.skeleton.size
+    standing = contacts(points, fps=around.fps, size=size, up=around.up)
+    return feet, standing[count : 2 * count]

@@ -48,6 +48,13 @@ def test_wandering_has_no_cycle():
             rl.find_cycles(synth.wander(8.0, seed=seed).motion)
 
 
+@pytest.mark.parametrize("gestures", [None, True])
+def test_standing_still_has_no_cycle(gestures):
+    still = rl.concatenate([synth.wander(3, seed=1).motion[5:6]] * 200)
+    with pytest.raises(rl.NoPeriod, match="nothing moves"):
+        rl.find_cycles(still, rl.Options(gestures=gestures))
+
+
 def test_several_motions_are_told_apart_and_recognised_again():
     walk = synth.gait("walk", repetitions=3, seed=1)
     jacks = synth.gait("jacks", repetitions=3.5, seed=1)

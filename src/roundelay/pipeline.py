@@ -189,6 +189,8 @@ def _searched(
     """
     points = _points(motion, options)
     span = _frames(motion, points, options.frames)
+    if not np.ptp(points[slice(*span)], axis=0).any():
+        raise NoPeriod("no periodic motion found: nothing moves")
     if options.gestures:
         return _gestures(points, motion.fps, span, options, fewest=1), points
     try:

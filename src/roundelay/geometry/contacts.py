@@ -153,7 +153,7 @@ def _foot(skeleton: Skeleton, limb: list[int]) -> Foot:
 def foot_points(feet: tuple[Foot, ...], positions: Array, orientations: Array) -> Array:
     """Return where feet touch the ground, (F, n, 3), from forward kinematics' results."""
     joints = [foot.joint for foot in feet]
-    offsets = np.array([foot.offset for foot in feet])
+    offsets = np.reshape([foot.offset for foot in feet], (-1, 3))
     return positions[:, joints] + rot.rotate(orientations[:, joints], offsets)
 
 

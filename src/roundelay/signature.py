@@ -29,6 +29,8 @@ __all__ = [
 Array = NDArray[np.float64]
 Labels = NDArray[np.intp]
 Item = TypeVar("Item")
+# The distance of two groups, and an item of each.
+Merger = tuple[float, int, int]
 
 
 def bottleneck_distance(first: Barcode, second: Barcode) -> float:
@@ -145,7 +147,9 @@ def search(
     return sorted(found, key=lambda pair: pair[1])
 
 
-def cluster(distances: ArrayLike, count: int | None = None) -> Labels:
+def cluster(
+    distances: ArrayLike, count: int | None = None, *, within: float | None = None
+) -> Labels:
     """Put items into groups by average linkage.
 
     Parameters
@@ -155,6 +159,8 @@ def cluster(distances: ArrayLike, count: int | None = None) -> Labels:
     count : int, optional
         How many groups; by default as many, from 2 to n - 1, as have the largest mean
         silhouette (Rousseeuw 1987).
+    within : float, optional
+        Instead of a count: groups are joined while their mean distance is at most this.
 
     Returns
     -------
@@ -166,37 +172,52 @@ def cluster(distances: ArrayLike, count: int | None = None) -> Labels:
     ValueError
         If the distances are not square, or the count is not from 1 to n.
     """
-    d = np.asarray(distances, float)
+    d = np.asarray(distances)
     if d.ndim != 2 or d.shape[0] != d.shape[1]:
         raise ValueError(f"expected distances (n, n), found an array of shape {d.shape}")
-    if count is not None and not 1 <= count <= len(d):
-        raise ValueError(f"expected a count from 1 to {len(d)}, found {count}")
-    tree = _linkage(d)
-    if count is not None:
-        return tree[len(d) - count]
-    tried = tree[1 : len(d) - 1]
-    return max(tried, key=lambda labels: _silhouette(d, labels)) if tried else tree[-1]
+    n, mergers = len(d), _linkage(d)
+    if within is not None:
+        return _joined(n, [merger for merger in mergers if merger[0] <= within])
+    if count is None:
+        tried = [_joined(n, mergers[:done]) for done in range(1, n - 1)]
+        best = max(tried, key=lambda labels: _silhouette(d, labels), default=None)
+        return _joined(n, mergers) if best is None else best
+    if not 1 <= count <= n:
+        raise ValueError(f"expected a count from 1 to {n}, found {count}")
+    return _joined(n, mergers[: n - count])
 
 
-def _linkage(distances: Array) -> list[Labels]:
-    """Return the labels before and after each merger of the two nearest groups."""
-    n = len(distances)
-    groups = [[item] for item in range(n)]
-    tree = [_numbered(groups, n)]
-    while len(groups) > 1:
-        apart = np.array([[distances[np.ix_(a, b)].mean() for b in groups] for a in groups])
-        np.fill_diagonal(apart, np.inf)
-        i, j = sorted(np.unravel_index(np.argmin(apart), apart.shape))
-        groups[i] += groups.pop(j)
-        tree.append(_numbered(groups, n))
-    return tree
+def _linkage(distances: Array) -> list[Merger]:
+    """Return the mergers of the nearest groups, nearest first.
+
+    By chains of nearest neighbours (Murtagh 1983), in n^2 steps: groups that are each other's
+    nearest are merged at once, which for average linkage gives the same tree.
+    """
+    d = distances.astype(np.promote_types(distances.dtype, np.float32))
+    np.fill_diagonal(d, np.inf)
+    sizes, chain, mergers = np.ones(len(d)), list[int](), list[Merger]()
+    while len(mergers) < len(d) - 1:
+        chain = chain or [int(np.argmax(sizes > 0))]
+        nearest = int(np.argmin(d[chain[-1]]))
+        if len(chain) < 2 or d[chain[-1], nearest] < d[chain[-1], chain[-2]]:
+            chain.append(nearest)
+            continue
+        kept, gone = sorted((chain.pop(), chain.pop()))
+        mergers.append((float(d[kept, gone]), kept, gone))
+        sums = sizes[kept] * d[kept] + sizes[gone] * d[gone]
+        sizes[kept], sizes[gone] = sizes[kept] + sizes[gone], 0
+        d[kept] = d[:, kept] = sums / sizes[kept]
+        d[gone] = d[:, gone] = d[kept, kept] = np.inf
+    return sorted(mergers, key=lambda merger: merger[0])
 
 
-def _numbered(groups: list[list[int]], n: int) -> Labels:
-    labels = np.zeros(n, np.intp)
-    for number, group in enumerate(sorted(groups, key=min)):
-        labels[group] = number
-    return labels
+def _joined(n: int, mergers: Sequence[Merger]) -> Labels:
+    """Return the groups of n items after some mergers, numbered as they first occur."""
+    owner = np.arange(n)
+    for _, kept, gone in mergers:
+        first, second = sorted((owner[kept], owner[gone]))
+        owner[owner == second] = first
+    return np.unique(owner, return_inverse=True)[1]
 
 
 def _silhouette(distances: Array, labels: Labels) -> float:

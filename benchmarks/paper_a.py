@@ -9,6 +9,8 @@ Usage: python -m benchmarks.paper_a --data FOLDER [--json]
 - ``concatenations``: three captures end to end, 20 times by a seeded choice. A part is back if its
   ends are within .5 s and its period within 5 % of what is found in its capture alone.
 - ``blends``: a walk and a run at 11 weights; a transition between them.
+- ``trajectories``: the typical trajectory of [A] 4.4 (centroids), [C]'s regression, the default,
+  from the same frames: template error, jerk over the capture's ([A] 6.3), seam, frames a second.
 - ``throughput``: poses a second of `CycleSpace.rotations`, by CPU time.
 """
 
@@ -19,7 +21,7 @@ import json
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 import numpy as np
 
@@ -30,6 +32,7 @@ from roundelay.excitation import Excitation, excitations
 from roundelay.geometry import contacts
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.pipeline import Method
 from roundelay.poses import point_cloud
 from roundelay.quality import quality
 
@@ -220,6 +223,29 @@ def _monotone(values: list[float]) -> bool:
     return bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
 
 
+def trajectories(data: Path) -> list[dict[str, Any]]:
+    rows = []
+    for kind, chosen in KINDS.items():
+        name, frames = chosen[0]
+        motion = excerpt(data, name, frames)
+        for method in get_args(Method):
+            options = rl.Options(method=method, most=1)
+            found, cpu, _ = timed(lambda options=options, m=motion: rl.find_cycles(m, options))
+            figures = quality(found[0], motion)
+            rows.append(
+                {
+                    "kind": kind,
+                    "capture": name,
+                    "method": method,
+                    "template_error": round(figures.template_error, 3),
+                    "jerk_of_capture": round(figures.loop_jerk / figures.capture_jerk, 3),
+                    "seam_velocity": round(figures.seam_velocity, 3),
+                    "frames_a_second": round(len(motion) / cpu),
+                }
+            )
+    return rows
+
+
 def throughput(data: Path) -> dict[str, Any]:
     cycles = [rl.find_cycles(find_capture(data, name))[0] for name in ("07_01", "09_01")]
     space, rng = rl.CycleSpace.of(cycles), np.random.default_rng(0)
@@ -248,6 +274,7 @@ def main() -> None:
         "rows": [row(arguments.data, name, paper) for name, paper in ROWS.items()],
         "concatenations": {"parts": len(back), "back": sum(back), "rows": joined},
         "blends": blends(arguments.data),
+        "trajectories": trajectories(arguments.data),
         "throughput": throughput(arguments.data),
     }
     print(json.dumps(result, indent=1) if arguments.json else _table(result))
@@ -271,6 +298,7 @@ def _table(result: dict[str, Any]) -> str:
     lines.append(f"concatenations: {joined['back']} of {joined['parts']} parts back")
     lines += [str(r) for r in mixed["rows"]]
     lines += [f"monotone: {mixed['monotone']}", f"transition: {mixed['transition']}"]
+    lines += [str(one) for one in result["trajectories"]]
     return "\n".join([*lines, f"throughput: {result['throughput']}"])
 
 

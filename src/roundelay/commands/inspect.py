@@ -10,7 +10,6 @@ import typer
 from roundelay.commands.common import (
     Capture,
     Directory,
-    Frames,
     Json,
     Skeleton,
     one_line_errors,
@@ -20,20 +19,7 @@ from roundelay.commands.common import (
     read_capture,
 )
 from roundelay.commands.loop import Picture
-from roundelay.commands.options import (
-    Class,
-    Delay,
-    Delays,
-    Dimensions,
-    Features,
-    Gestures,
-    Joints,
-    Metric,
-    Prime,
-    Scale,
-    Weights,
-    search_options,
-)
+from roundelay.commands.options import SearchOptions, takes_search
 
 if TYPE_CHECKING:
     from roundelay.inspection import Inspection
@@ -42,25 +28,16 @@ if TYPE_CHECKING:
 Shown = Annotated[int, typer.Option("--classes", help="Classes to follow for each motion.", min=1)]
 
 
+@takes_search
 def inspect(
     capture: Capture,
     output: Directory = Path("."),
     skeleton: Skeleton = None,
-    frames: Frames = None,
-    joints: Joints = None,
-    features: Features = "positions",
-    weights: Weights = "none",
-    metric: Metric = "euclidean",
-    dimensions: Dimensions = None,
-    delay: Delay = None,
-    delays: Delays = None,
-    prime: Prime = 47,
-    class_index: Class = None,
-    scale: Scale = None,
-    gestures: Gestures = None,
     classes: Shown = 5,
     picture: Picture = True,
     json: Json = False,
+    *,
+    search: SearchOptions,
 ) -> None:
     """Show the barcode of every motion and the coordinate of each of its classes.
 
@@ -72,23 +49,7 @@ def inspect(
     with one_line_errors():
         with progress_bar(quiet=json):
             motion = read_capture(capture, skeleton)
-            options = search_options(
-                motion,
-                frames=frames,
-                joints=joints,
-                features=features,
-                weights=weights,
-                gestures=gestures,
-                topology={
-                    "prime": prime,
-                    "class_index": class_index,
-                    "scale": scale,
-                    "delay": delay,
-                    "delays": delays,
-                    "metric": metric,
-                    "dimensions": dimensions,
-                },
-            )
+            options = search.resolved(motion)
             found = inspect_motion(motion, options, most=classes)
         record = _record(motion, capture, options, found)
         folder = output_directory(output)

@@ -11,7 +11,6 @@ from roundelay.commands.common import (
     NO_PERIOD,
     Capture,
     Directory,
-    Frames,
     Json,
     Skeleton,
     one_line_errors,
@@ -20,20 +19,7 @@ from roundelay.commands.common import (
     progress_bar,
     read_capture,
 )
-from roundelay.commands.options import (
-    Class,
-    Delay,
-    Delays,
-    Dimensions,
-    Features,
-    Gestures,
-    Joints,
-    Metric,
-    Prime,
-    Scale,
-    Weights,
-    search_options,
-)
+from roundelay.commands.options import SearchOptions, takes_search
 
 if TYPE_CHECKING:
     from roundelay.cycles.cycle import Cycle
@@ -78,22 +64,11 @@ Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the 
 Gif = Annotated[bool, typer.Option("--gif", help="Write each loop as a moving picture, too.")]
 
 
+@takes_search
 def loop(
     capture: Capture,
     output: Directory = Path("."),
     skeleton: Skeleton = None,
-    frames: Frames = None,
-    joints: Joints = None,
-    features: Features = "positions",
-    weights: Weights = "none",
-    metric: Metric = "euclidean",
-    dimensions: Dimensions = None,
-    delay: Delay = None,
-    delays: Delays = None,
-    prime: Prime = 47,
-    class_index: Class = None,
-    scale: Scale = None,
-    gestures: Gestures = None,
     classes: Most = None,
     harmonics: Harmonics = None,
     method: Method = "harmonic",
@@ -108,6 +83,8 @@ def loop(
     picture: Picture = True,
     gif: Gif = False,
     json: Json = False,
+    *,
+    search: SearchOptions,
 ) -> None:
     """Find the periodic motions of a capture and write a seamless loop of each.
 
@@ -123,27 +100,13 @@ def loop(
             raise ValueError(f"expected format bvh, amc, glb or gltf, found {file_format!r}")
         with progress_bar(quiet=json) as progress:
             motion = read_capture(capture, skeleton)
-            options = search_options(
+            options = search.resolved(
                 motion,
-                frames=frames,
-                joints=joints,
-                features=features,
-                weights=weights,
-                gestures=gestures,
                 harmonics=harmonics,
                 method=method,
                 velocity=velocity,
                 acceleration=acceleration,
                 most=classes,
-                topology={
-                    "prime": prime,
-                    "class_index": class_index,
-                    "scale": scale,
-                    "delay": delay,
-                    "delays": delays,
-                    "metric": metric,
-                    "dimensions": dimensions,
-                },
             )
             folder = output_directory(output)
             try:

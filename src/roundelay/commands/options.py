@@ -1,31 +1,22 @@
-"""Options of the search that ``loop`` and ``inspect`` share: all automatic unless given."""
+"""Options of the search that several commands share: all automatic unless given."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from inspect import signature
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from roundelay.commands.common import frame_range
+from roundelay.commands.common import Frames, frame_range
 
 if TYPE_CHECKING:
     from roundelay.motion import Motion
     from roundelay.pipeline import Options
 
-__all__ = [
-    "Class",
-    "Delay",
-    "Delays",
-    "Dimensions",
-    "Features",
-    "Gestures",
-    "Joints",
-    "Metric",
-    "Prime",
-    "Scale",
-    "Weights",
-    "search_options",
-]
+__all__ = ["Joints", "Metric", "Prime", "SearchOptions", "takes_search"]
 
 _SEARCH = "What repeats"
 
@@ -112,40 +103,58 @@ Gestures = Annotated[
 ]
 
 
-def search_options(
-    motion: Motion,
-    *,
-    frames: str | None,
-    joints: str | None,
-    topology: dict[str, Any],
-    **others: Any,
-) -> Options:
-    """Collect the options of the main job.
+@dataclass(frozen=True)
+class SearchOptions:
+    """What a user may choose of the search for periods, as on the command line."""
 
-    Parameters
-    ----------
-    motion : Motion
-        The capture they are for.
-    frames, joints : str or None
-        As on the command line.
-    topology : dict
-        Fields of `TopologyOptions`; the delay in seconds, the dimensions a number or share.
-    **others
-        Further fields of `Options`.
-    """
-    from roundelay.cloud import TopologyOptions
-    from roundelay.pipeline import Options
+    frames: Frames = None
+    joints: Joints = None
+    features: Features = "positions"
+    weights: Weights = "none"
+    metric: Metric = "euclidean"
+    dimensions: Dimensions = None
+    delay: Delay = None
+    delays: Delays = None
+    prime: Prime = 47
+    class_index: Class = None
+    scale: Scale = None
+    gestures: Gestures = None
 
-    delay, dimensions = topology.pop("delay"), topology.pop("dimensions")
-    if dimensions is not None and dimensions >= 1.0:
-        dimensions = int(dimensions)
-    return Options(
-        frames=frame_range(frames, len(motion)),
-        joints=None if joints is None else tuple(joints.split(",")),
-        topology=TopologyOptions(
-            delay=None if delay is None else delay * motion.fps,
-            dimensions=cast("int | float | None", dimensions),
-            **topology,
-        ),
-        **others,
-    )
+    def resolved(self, motion: Motion, **others: Any) -> Options:
+        """Return the options of the main job for a capture, with further fields of them."""
+        from roundelay.cloud import TopologyOptions
+        from roundelay.pipeline import Options
+
+        whole = self.dimensions is not None and self.dimensions >= 1.0
+        return Options(
+            frames=frame_range(self.frames, len(motion)),
+            joints=None if self.joints is None else tuple(self.joints.split(",")),
+            features=cast("Any", self.features),
+            weights=cast("Any", self.weights),
+            gestures=self.gestures,
+            topology=TopologyOptions(
+                prime=self.prime,
+                class_index=self.class_index,
+                scale=self.scale,
+                delay=None if self.delay is None else self.delay * motion.fps,
+                delays=self.delays,
+                metric=cast("Any", self.metric),
+                dimensions=int(cast("float", self.dimensions)) if whole else self.dimensions,
+            ),
+            **others,
+        )
+
+
+def takes_search(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command an option for every field of `SearchOptions`; it gets them as `search`."""
+    own = signature(command, eval_str=True)
+    shared = list(signature(SearchOptions, eval_str=True).parameters.values())
+
+    @wraps(command)
+    def spread(**values: Any) -> None:
+        search = SearchOptions(**{one.name: values.pop(one.name) for one in shared})
+        command(**values, search=search)
+
+    others = [one for one in own.parameters.values() if one.name != "search"]
+    spread.__signature__ = own.replace(parameters=[*others, *shared])  # type: ignore[attr-defined]
+    return spread

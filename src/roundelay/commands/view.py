@@ -9,13 +9,12 @@ import typer
 
 from roundelay.commands.common import (
     Capture,
-    Frames,
     Skeleton,
-    frame_range,
     one_line_errors,
     progress_bar,
     read_capture,
 )
+from roundelay.commands.options import SearchOptions, takes_search
 
 if TYPE_CHECKING:
     from roundelay.motion import Motion
@@ -30,12 +29,14 @@ Page = Annotated[
 Open = Annotated[bool, typer.Option("--open", help="Show it in the browser.")]
 
 
+@takes_search
 def view(
     capture: Capture,
     output: Page = None,
     skeleton: Skeleton = None,
-    frames: Frames = None,
     open_page: Open = False,
+    *,
+    search: SearchOptions,
 ) -> None:
     """Write one HTML page: the capture moving, its periodic parts, the evidence, the loops.
 
@@ -45,13 +46,11 @@ def view(
     Exit code 0: the page was written; 2: bad input.
     """
     from roundelay.files import written_beside
-    from roundelay.pipeline import Options
 
     with one_line_errors():
         with progress_bar(quiet=False) as progress:
             motion = read_capture(capture, skeleton)
-            options = Options(frames=frame_range(frames, len(motion)))
-            text, note = _page(motion, options, progress)
+            text, note = _page(motion, search.resolved(motion), progress)
         path = Path(f"{capture.stem}.html") if output is None else output
         path.parent.mkdir(parents=True, exist_ok=True)
         with written_beside(path) as part:

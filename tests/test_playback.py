@@ -9,7 +9,7 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.playback import _stands, foot_contacts, playback_record
+from roundelay.playback import foot_contacts, playback_record
 
 
 @pytest.fixture(scope="module")
@@ -46,17 +46,3 @@ def test_bones_that_meet_are_told(walk):
     assert ["LeftLeg", "RightLeg"] in [one["bones"] for one in told]
     for one in told:
         assert one["frames"][0] <= one["deepest"] < one["frames"][1]
-
-
-@pytest.mark.parametrize(
-    ("middle", "expected"),
-    [
-        ([0, 1, 1, 0], [[1, 3]]),
-        ([1, 0, 0, 1], [[3, 5]]),
-        ([1, 0, 1, 0], [[0, 1], [2, 3]]),
-        ([1, 1, 1, 1], [[0, 4]]),
-        ([0, 0, 0, 0], []),
-    ],
-)
-def test_stands_across_the_seam_are_told_once(middle, expected):
-    assert _stands(np.array(middle * 3, bool), 4) == expected

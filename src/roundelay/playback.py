@@ -5,16 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.standing import standing_feet
 from roundelay.geometry.collision import collisions
-from roundelay.geometry.contacts import stretches
+from roundelay.geometry.contacts import closed_stretches
 
 __all__ = ["foot_contacts", "playback_record"]
-
-Mask = NDArray[np.bool_]
 
 _MARKERS = 4
 
@@ -92,13 +89,5 @@ def foot_contacts(cycle: Cycle, fps: float) -> dict[str, list[list[int]]]:
     count = max(1, round(cycle.period * fps))
     feet, standing = standing_feet(cycle, count)
     names = [cycle.skeleton.names[foot.joint] for foot in feet]
-    return {name: _stands(mask, count) for name, mask in zip(names, standing.T, strict=True)}
-
-
-def _stands(mask: Mask, count: int) -> list[list[int]]:
-    """Ranges of one period in which a foot stands, each told where it begins."""
-    if mask.all():
-        return [[0, count]]
-    # What stands at the first frame began before it, unless nothing stands at the last.
-    first = 1 if mask[-1] else 0
-    return [[a, b] for a, b in stretches(np.tile(mask, 2)) if first <= a < count]
+    stands = [[list(span) for span in closed_stretches(mask)] for mask in standing.T]
+    return dict(zip(names, stands, strict=True))

@@ -11,6 +11,7 @@ from hypothesis.extra.numpy import arrays
 from roundelay import synth
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.collision import collisions, segment_distances
+from roundelay.skeleton import Skeleton
 
 points = arrays(float, (4, 3), elements=st.integers(-3, 3).map(float))
 
@@ -72,3 +73,20 @@ def test_a_walk_at_ease_meets_nothing():
 def test_a_single_joint_meets_nothing(crossing):
     skeleton, _ = crossing
     assert collisions(skeleton, np.tile([1.0, 0, 0, 0], (1, skeleton.n_joints, 1))) == []
+
+
+def test_the_way_from_a_root_on_the_ground_is_no_bone(crossing):
+    skeleton, rotations = crossing
+    # A root below the hips, so that the way to them passes between the feet.
+    parents = (-1, *(parent + 1 for parent in skeleton.parents))
+    offsets = np.concatenate([np.zeros((1, 3)), skeleton.offsets])
+    offsets[1] = [0.0, 0.92, 0.0]
+    grounded = Skeleton(("Root", *skeleton.names), parents, offsets)
+    held = np.concatenate([np.tile([1.0, 0.0, 0.0, 0.0], (60, 1, 1)), rotations], axis=1)
+    names = {name for met in collisions(grounded, held) for name in met.bones}
+    assert names == {name for met in collisions(skeleton, rotations) for name in met.bones}
+    together = held.copy()
+    for side, sign in (("Left", -1.0), ("Right", 1.0)):
+        inward = rot.from_rotation_vector([0.0, 0.0, 0.08 * sign])
+        together[:, grounded.index(f"{side}UpLeg")] = inward
+    assert "Hips" not in {name for met in collisions(grounded, together) for name in met.bones}

@@ -8,7 +8,14 @@ import pytest
 from roundelay import find_cycles, synth
 from roundelay.cycles.footlock import lock_feet, lock_offsets, move_foot
 from roundelay.geometry import rotations as rot
-from roundelay.geometry.contacts import contacts, find_feet, foot_points, shoulders, skate
+from roundelay.geometry.contacts import (
+    closed_stretches,
+    contacts,
+    find_feet,
+    foot_points,
+    shoulders,
+    skate,
+)
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.motion import Motion
 
@@ -117,3 +124,19 @@ def test_no_feet_no_change() -> None:
     arms = made.motion.select(["Spine", "Chest", "LeftArm"])
     joints, rotations = lock_feet(arms, 100)
     assert np.array_equal(rotations, arms.rotations[:, joints])
+
+
+@pytest.mark.parametrize(
+    ("mask", "expected"),
+    [
+        ([0, 1, 1, 0], [(1, 3)]),
+        ([1, 0, 0, 1], [(3, 5)]),
+        ([1, 0, 1, 0], [(0, 1), (2, 3)]),
+        ([1, 1, 1, 1], [(0, 4)]),
+        ([0, 0, 0, 0], []),
+    ],
+)
+def test_ranges_across_the_seam_are_told_once(
+    mask: list[int], expected: list[tuple[int, int]]
+) -> None:
+    assert closed_stretches(np.array(mask, bool)) == expected

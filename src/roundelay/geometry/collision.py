@@ -171,10 +171,15 @@ def collisions(
 
 
 def _bones(skeleton: Skeleton) -> list[int]:
-    """Return the joints at the lower ends of bones that are long enough."""
+    """Return the joints at the lower ends of bones that are long enough.
+
+    What lies between the root and the body's first branching is no bone: some files put the
+    root on the ground.
+    """
     lengths = np.linalg.norm(skeleton.offsets, axis=1)
     least = _SHORTEST * skeleton.size
-    return [joint for joint in range(1, skeleton.n_joints) if lengths[joint] >= least]
+    first = next((j for j in range(skeleton.n_joints) if skeleton.parents.count(j) > 1), 0)
+    return [j for j in range(first + 1, skeleton.n_joints) if lengths[j] >= least]
 
 
 def _radii(skeleton: Skeleton, bones: list[int]) -> Array:

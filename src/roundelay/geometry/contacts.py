@@ -10,7 +10,17 @@ from numpy.typing import NDArray
 from roundelay.geometry import rotations as rot
 from roundelay.skeleton import Skeleton
 
-__all__ = ["Foot", "contacts", "find_feet", "foot_points", "free_limbs", "shoulders", "skate"]
+__all__ = [
+    "Foot",
+    "closed_stretches",
+    "contacts",
+    "find_feet",
+    "foot_points",
+    "free_limbs",
+    "shoulders",
+    "skate",
+    "stretches",
+]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -216,6 +226,18 @@ def stretches(mask: Mask) -> list[tuple[int, int]]:
     """List the half-open ranges in which a mask (F,) is true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def closed_stretches(mask: Mask) -> list[tuple[int, int]]:
+    """List the ranges in which a mask (F,) of a period is true, each told where it begins.
+
+    The second number lies beyond F where the range goes on across the seam.
+    """
+    if mask.all():
+        return [(0, len(mask))]
+    # What is true at the first frame began before it, unless the last is not.
+    first = 1 if mask[-1] else 0
+    return [(a, b) for a, b in stretches(np.tile(mask, 2)) if first <= a < len(mask)]
 
 
 def skate(points: Array, *, fps: float, size: float, up: int) -> float:

@@ -12,7 +12,7 @@ from roundelay import Cycle, Motion, RoundelayError, SkeletonMismatch, blend
 from .compat import Armature, Context, State
 from .extract import armatures_of
 from .loops import cycle_of_loop, loop_of
-from .reading import read_motion
+from .reading import read
 from .rig import Rig, rig_of
 from .writing import SOURCE, show, write_loop
 
@@ -71,12 +71,12 @@ def _read(scene: Any, armature: Any, action: bpy.types.Action) -> tuple[Rig, Cyc
     show(armature, action)
     rig, period = rig_of(armature), int(action.frame_end - action.frame_start)
     start = int(action.frame_start)
-    reading = read_motion(rig, scene, range(start, start + 2 * period + 1))
+    reading = read(rig, scene, range(start, start + 2 * period + 1))
     while True:
         try:
             next(reading)
         except StopIteration as end:
-            return rig, cycle_of_loop(end.value, period), end.value
+            return rig, cycle_of_loop(end.value.motion, period), end.value.motion
 
 
 CLASSES = (ROUNDELAY_OT_blend,)

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
-from math import ceil, floor
+from math import ceil, degrees, floor
 from typing import Any
 
 import bpy
@@ -14,6 +15,7 @@ import bpy
 from roundelay import (
     Cycle,
     Motion,
+    NoPeriod,
     Options,
     Quality,
     RoundelayError,
@@ -26,23 +28,39 @@ from roundelay.inspection import Inspection, inspect
 from roundelay.quality import quality
 
 from . import plots
+from .bones import left_out
 from .compat import Armature, Context
 from .jobs import LongOperator, Progress, Steps, threaded
-from .loops import Chosen, cycles_by_hand, loop_of, options_of, subsampled
-from .reading import read_motion
+from .loops import Chosen, cycles_by_hand, loop_of, options_of
+from .reading import Reading, read
 from .rig import Rig, rig_of
-from .writing import SOURCE, add_strip, show, write_loop
+from .writing import PLACE, SOURCE, add_strip, captured, show, write_loop
+
+_RANGE = re.compile(r"\b(\d+)-(\d+)\b")
 
 
 @dataclass
 class Capture:
-    """An armature's action as read for the search."""
+    """An armature's action as read for the search: every step-th frame from the first on."""
 
     rig: Rig
     action: bpy.types.Action
     first: int
-    motion: Motion
+    step: int
+    reading: Reading
     chosen: Chosen = field(default_factory=tuple)
+
+    @property
+    def motion(self) -> Motion:
+        """The bones' motion."""
+        return self.reading.motion
+
+    def in_scene(self, text: str) -> str:
+        """Give a text's ranges of frames, 57-893, as frames of the scene."""
+        return _RANGE.sub(
+            lambda ends: "-".join(str(self.first + int(end) * self.step) for end in ends.groups()),
+            text,
+        )
 
 
 def armatures_of(context: Context) -> list[Armature]:
@@ -55,21 +73,25 @@ def armatures_of(context: Context) -> list[Armature]:
 
 
 def read_capture(context: Context, armature: Armature, settings: Any) -> Steps[Capture]:
-    """Read what an armature does in the chosen frames."""
+    """Read what an armature does in the chosen frames; a loop gives way to its capture."""
     data = armature.animation_data
     if data is None or data.action is None:
         raise SkeletonMismatch(f"{armature.name} has no action")
+    action = captured(data.action)
+    if action != data.action:
+        show(armature, action)
     chosen = None
     if context.mode == "POSE":
         chosen = {bone.name for bone in context.selected_pose_bones if bone.id_data == armature}
-    rig, frames = rig_of(armature, chosen), _frames(data.action, settings)
-    reading = read_motion(rig, context.scene, frames)
+    rig, frames = rig_of(armature, chosen), _frames(action, settings)
+    reading = read(rig, context.scene, frames)
     while True:
         try:
             yield next(reading), f"reading {armature.name}"
         except StopIteration as end:
-            motion = subsampled(end.value, settings.subsample)
-            return Capture(rig, data.action, frames.start, motion, _chosen(settings, armature))
+            thin = end.value.subsampled(settings.subsample)
+            chosen_classes = _chosen(settings, armature)
+            return Capture(rig, action, frames.start, settings.subsample, thin, chosen_classes)
 
 
 def _frames(action: bpy.types.Action, settings: Any) -> range:
@@ -89,8 +111,16 @@ def _chosen(settings: Any, armature: Armature) -> Chosen:
     ]
 
 
+def has_armature(operator: Any, context: Context) -> bool:
+    """Tell whether an operator has an armature and no other work in progress."""
+    if not armatures_of(context):
+        operator.poll_message_set("Select an armature")
+        return False
+    return not operator.busy
+
+
 class ROUNDELAY_OT_extract(LongOperator, bpy.types.Operator):
-    """Find what repeats in the actions of the selected armatures, and make seamless loops of it."""
+    """Find what repeats in the actions of the selected armatures, and make seamless loops of it"""
 
     bl_idname = "roundelay.extract"
     bl_label = "Extract Periodic Motion"
@@ -98,40 +128,48 @@ class ROUNDELAY_OT_extract(LongOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        """Work needs an armature, and no other work in progress."""
-        return not cls.busy and bool(armatures_of(context))
+        """Work needs an armature."""
+        return has_armature(cls, context)
 
     def steps(self, context: Context) -> Steps[str]:
         """Read, search and write, one armature after the other."""
-        settings, made, faults = context.scene.roundelay, 0, []
+        settings, armatures = context.scene.roundelay, armatures_of(context)
         settings.loops.clear()
-        for armature in armatures_of(context):
+        settings.notes = ""
+        faults: list[str] = []
+        for armature in armatures:
+            whose = f"{armature.name}: " if len(armatures) > 1 else ""
             try:
-                made += yield from _extract(context, armature, settings)
-            except RoundelayError as fault:
-                faults.append(fault)
+                yield from _extract(context, armature, settings, whose)
+            except (RoundelayError, ValueError) as fault:
+                faults.append(f"{whose}{fault}")
+        made = len(settings.loops)
         if not made:
-            raise faults[0]
-        return "; ".join([f"Made {made} loop{'s' if made > 1 else ''}", *map(str, faults)])
+            raise RoundelayError(faults[0])
+        return "; ".join([f"Made {made} loop{'s' if made > 1 else ''}", *faults])
 
 
-def _extract(context: Context, armature: Armature, settings: Any) -> Steps[int]:
+def _extract(context: Context, armature: Armature, settings: Any, whose: str) -> Steps[None]:
     capture = yield from read_capture(context, armature, settings)
-    if settings.mirror and not capture.rig.keyed.all():
-        raise SkeletonMismatch("mirroring needs all bones: leave Pose Mode")
+    if settings.mirror:
+        capture.rig.require_both_sides()
+    if context.mode != "POSE":
+        names = [bone.name for bone in capture.rig.bones]
+        settings.notes += "".join(f"{whose}{line}\n" for line in left_out(armature, names))
     options = options_of(settings)
     render = context.scene.render
     fps = render.fps / render.fps_base
-
-    found = yield from threaded(partial(_search, capture, options, settings.per_behaviour))
+    try:
+        found = yield from threaded(partial(_search, capture, options, settings.per_behaviour))
+    except NoPeriod as refusal:
+        raise NoPeriod(capture.in_scene(str(refusal))) from refusal
     for number, (cycle, figures) in enumerate(found, 1):
         loop = loop_of(cycle, capture.motion, settings, fps)
         action = _write(capture, loop, number, settings)
-        _report(settings, action, cycle, figures)
+        _report(settings, capture, action, cycle, figures)
         if settings.use_plots:
             folder = bpy.path.abspath(settings.plot_folder)
             plots.write(capture.motion, cycle, loop, folder, action.name)
-    return len(found)
 
 
 def _search(
@@ -154,6 +192,8 @@ def _write(capture: Capture, loop: Motion, number: int, settings: Any) -> bpy.ty
     armature = capture.rig.armature
     action = write_loop(capture.rig, loop, name, start=capture.first, key_step=settings.key_step)
     action[SOURCE] = capture.action
+    if capture.reading.place is not None:
+        action[PLACE] = capture.reading.place.ravel().tolist()
     capture.action.use_fake_user = True
     if settings.use_strip:
         add_strip(armature, action, settings.repeat)
@@ -162,15 +202,19 @@ def _write(capture: Capture, loop: Motion, number: int, settings: Any) -> bpy.ty
     return action
 
 
-def _report(settings: Any, action: bpy.types.Action, cycle: Any, figures: Quality) -> None:
+def _report(
+    settings: Any, capture: Capture, action: bpy.types.Action, cycle: Any, figures: Quality
+) -> None:
     item = settings.loops.add()
-    item.action, item.period = action, cycle.period
+    item.action, item.period, item.turning = action, cycle.period, degrees(cycle.turning)
+    runs = ", ".join(f"{start}-{stop}" for start, stop in cycle.evidence.runs)
+    item.frames = capture.in_scene(f"frames {runs}")
     item.repetitions, item.confidence = figures.repetitions, cycle.evidence.confidence
     item.seam, item.step = figures.seam_rotation, figures.step_rotation
 
 
 class ROUNDELAY_OT_inspect(LongOperator, bpy.types.Operator):
-    """List the classes of the poses, to choose by hand which ones become loops."""
+    """List the classes of the poses, to choose by hand which ones become loops"""
 
     bl_idname = "roundelay.inspect"
     bl_label = "List Classes"
@@ -178,8 +222,8 @@ class ROUNDELAY_OT_inspect(LongOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        """Work needs an armature, and no other work in progress."""
-        return not cls.busy and bool(armatures_of(context))
+        """Work needs an armature."""
+        return has_armature(cls, context)
 
     def steps(self, context: Context) -> Steps[str]:
         """Read and inspect, one armature after the other."""

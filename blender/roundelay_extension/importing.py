@@ -16,7 +16,7 @@ from .compat import Context, State
 
 
 class ROUNDELAY_OT_import_acclaim(ImportHelper, bpy.types.Operator):  # type: ignore[misc]
-    """Import an AMC capture; its ASF skeleton is found beside it."""
+    """Import an AMC capture; its ASF skeleton is found beside it"""
 
     bl_idname = "roundelay.import_acclaim"
     bl_label = "Import ASF/AMC"

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from roundelay import Cycle, Evidence, Motion, NoPeriod, Options, TopologyOptions
+from roundelay.cycles.centroid import centroid_cycle
 from roundelay.cycles.fitting import fit_cycle
 from roundelay.cycles.harmonic import HarmonicCurve
+from roundelay.cycles.paper_cycle import paper_cycle
 from roundelay.cycles.tempo import time_phase
 from roundelay.inspection import inspect
 from roundelay.poses import point_cloud
@@ -26,15 +28,15 @@ def options_of(settings: Any) -> Options:
         scale=settings.scale or None,
         delay=settings.delay / settings.subsample if settings.use_delay else None,
     )
+    constrained = settings.method == "PAPER"
     return Options(
-        topology=topology, harmonics=settings.harmonics or None, most=settings.most or None
+        topology=topology,
+        harmonics=settings.harmonics or None,
+        method=settings.method.lower(),
+        velocity=settings.velocity or not constrained,
+        acceleration=settings.acceleration or not constrained,
+        most=settings.most or None,
     )
-
-
-def subsampled(motion: Motion, step: int) -> Motion:
-    """Take every step-th frame."""
-    thin = motion.at(np.arange(0, len(motion), step))
-    return replace(thin, frame_time=motion.frame_time * step)
 
 
 def cycles_by_hand(motion: Motion, options: Options, chosen: Chosen) -> list[Cycle]:
@@ -55,15 +57,23 @@ def _chosen_cycle(motion: Motion, found: Any, options: Options, number: int, ind
         raise NoPeriod("the classes have changed; list them again")
     if classes[index].evidence is None:
         raise NoPeriod(f"class {index}: {classes[index].fault}")
-    return _fitted(motion.with_root_motion(), classes[index].evidence, options.harmonics)
+    return _fitted(motion.with_root_motion(), classes[index].evidence, options)
 
 
-def _fitted(motion: Motion, evidence: Evidence, harmonics: int | None) -> Cycle:
+def _fitted(motion: Motion, evidence: Evidence, options: Options) -> Cycle:
+    """Make the cycle of a class, as the search does of the one it takes."""
     phase = evidence.turns
     if not evidence.closed:
         points = point_cloud(motion)
         phase = time_phase(points, evidence.turns, evidence.runs, frame_time=motion.frame_time)
-    return fit_cycle(motion, phase, evidence.runs, harmonics=harmonics, evidence=evidence)
+    count = options.harmonics
+    cycle = fit_cycle(motion, phase, evidence.runs, harmonics=count, evidence=evidence)
+    if options.method == "centroid":
+        return centroid_cycle(cycle, motion)
+    if options.method == "paper":
+        follow = {"velocity": options.velocity, "acceleration": options.acceleration}
+        return paper_cycle(cycle, motion, harmonics=count, **follow)
+    return cycle
 
 
 def loop_of(cycle: Cycle, capture: Motion, settings: Any, fps: float) -> Motion:
@@ -78,7 +88,9 @@ def loop_of(cycle: Cycle, capture: Motion, settings: Any, fps: float) -> Motion:
         "SWAY": cycle.sample(**sampling, repeat_first=True, in_place=True).root_path,
         "NONE": np.zeros_like(loop.root_path),
     }
-    models = settings.travel_x, settings.travel_y, settings.travel_z
+    models = [settings.travel] * 3
+    if settings.travel == "AXES":
+        models = [settings.travel_x, settings.travel_y, settings.travel_z]
     path = np.column_stack([paths[model][:, axis] for axis, model in enumerate(models)])
     loop = replace(loop, root_path=path + _beginning(cycle, capture, path))
     return loop.mirror() if settings.mirror else loop

@@ -3,12 +3,16 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 import bpy
 
 from .compat import Context
 from .preview import counterpart
+
+# Pixels of a letter, about; letters of the narrowest line; degrees worth a word.
+_LETTER, _NARROW, _TURNS = 7.0, 24, 5.0
 
 
 class _Panel:
@@ -39,27 +43,43 @@ class ROUNDELAY_PT_main(_Panel, bpy.types.Panel):
         layout, settings = self.layout, context.scene.roundelay
         layout.operator("roundelay.extract", icon="FILE_REFRESH")
         if context.mode == "POSE":
-            layout.label(text="Of the selected bones", icon="BONE_DATA")
+            layout.label(text="Selected bones only", icon="BONE_DATA")
+        if any(item.chosen for item in settings.classes):
+            layout.label(text="Classes chosen by hand", icon="CHECKBOX_HLT")
         if settings.progress > 0.0:
             layout.progress(factor=settings.progress, text=settings.message)
-        elif settings.message:
-            layout.label(text=settings.message)
+        else:
+            self._draw_lines(context, settings.message)
+        for note in settings.notes.splitlines():
+            self._draw_lines(context, note, icon="INFO")
         for item in settings.loops:
             if item.action is not None:
                 self._draw_loop(context, item)
         layout.operator("roundelay.toggle", text=self._toggle_text(context), icon="UV_SYNC_SELECT")
 
+    def _draw_lines(self, context: Context, text: str, icon: str = "NONE") -> None:
+        """Draw a text over as many lines as the sidebar's width asks for."""
+        column = self.layout.column(align=True)
+        width = context.region.width / (_LETTER * context.preferences.system.ui_scale)
+        for line in textwrap.wrap(text, max(int(width), _NARROW)):
+            column.label(text=line, icon=icon)
+            icon = "BLANK1" if icon != "NONE" else icon
+
     def _draw_loop(self, context: Context, item: Any) -> None:
-        box = self.layout.box()
-        box.operator("roundelay.show", text=item.action.name).action = item.action.name
-        box.label(text=f"{item.period:.2f} s, {item.repetitions:.1f} times seen")
-        box.label(text=f"{item.confidence:.0%} sure")
-        box.label(text=f"Seam {item.seam:.1f}\u00b0, steps up to {item.step:.1f}\u00b0")
+        column = self.layout.box().column(align=True)
+        column.operator("roundelay.show", text=item.action.name).action = item.action.name
+        length = item.action.frame_end - item.action.frame_start
+        column.label(text=f"{length:.0f} frames, {item.period:.2f} s")
+        column.label(text=f"{item.repetitions:.1f} times in {item.frames}")
+        column.label(text=f"{item.confidence:.0%} sure")
+        column.label(text=f"Seam {item.seam:.1f}\u00b0, steps up to {item.step:.1f}\u00b0")
+        if abs(item.turning) >= _TURNS:
+            column.label(text=f"Turned {abs(item.turning):.0f}\u00b0 a period, now straight on")
 
     def _toggle_text(self, context: Context) -> str:
         armature = context.active_object
         data = armature.animation_data if armature is not None else None
-        other = counterpart(data.action) if data is not None else None
+        other = counterpart(context.scene, data.action) if data is not None else None
         return "Capture / Loop" if other is None else f"Show {other.name}"
 
 
@@ -88,14 +108,16 @@ class ROUNDELAY_PT_loop(_Folded, bpy.types.Panel):
     def draw(self, context: Context) -> None:
         """Draw."""
         column, settings = self.column(context), context.scene.roundelay
-        for name in ("most", "start_phase", "key_step", "foot_lock", "mirror", "use_strip"):
+        column.prop(settings, "travel")
+        if settings.travel == "AXES":
+            axes = column.column(align=True)
+            for name in ("travel_x", "travel_y", "travel_z"):
+                axes.prop(settings, name)
+        for name in ("foot_lock", "mirror", "start_phase", "key_step", "most", "use_strip"):
             column.prop(settings, name)
         inner = column.column()
         inner.active = settings.use_strip
         inner.prop(settings, "repeat")
-        travel = column.column(heading="Travel", align=True)
-        for name in ("travel_x", "travel_y", "travel_z"):
-            travel.prop(settings, name)
 
 
 class ROUNDELAY_PT_classes(_Folded, bpy.types.Panel):
@@ -123,7 +145,12 @@ class ROUNDELAY_PT_advanced(_Folded, bpy.types.Panel):
     def draw(self, context: Context) -> None:
         """Draw."""
         column, settings = self.column(context), context.scene.roundelay
-        for name in ("scale", "prime", "harmonics", "travel_harmonics", "use_delay"):
+        column.prop(settings, "method")
+        constraints = column.column(heading="Follow", align=True)
+        constraints.enabled = settings.method == "PAPER"
+        for name in ("velocity", "acceleration"):
+            constraints.prop(settings, name)
+        for name in ("harmonics", "travel_harmonics", "scale", "prime", "use_delay"):
             column.prop(settings, name)
         delay = column.column()
         delay.active = settings.use_delay

@@ -3,25 +3,28 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from .compat import Context, State
 from .extract import armatures_of
-from .writing import SOURCE, show
+from .writing import SOURCE, captured, show
 
 
-def counterpart(action: bpy.types.Action | None) -> bpy.types.Action | None:
-    """Return a loop's capture, or a capture's first loop."""
+def counterpart(scene: Any, action: bpy.types.Action | None) -> bpy.types.Action | None:
+    """Return a loop's capture, or a capture's loop: of the last ones made, else of any."""
     if action is None:
         return None
     source = action.get(SOURCE)
     if source is not None:
         return source
-    return next((other for other in bpy.data.actions if other.get(SOURCE) == action), None)
+    loops = [item.action for item in scene.roundelay.loops if item.action is not None]
+    return next((o for o in (*loops, *bpy.data.actions) if o.get(SOURCE) == action), None)
 
 
 class ROUNDELAY_OT_toggle(bpy.types.Operator):
-    """Change between the capture and its loop."""
+    """Change between the capture and its loop"""
 
     bl_idname = "roundelay.toggle"
     bl_label = "Capture / Loop"
@@ -31,7 +34,7 @@ class ROUNDELAY_OT_toggle(bpy.types.Operator):
     def poll(cls, context: Context) -> bool:
         """There must be a counterpart."""
         return any(
-            armature.animation_data and counterpart(armature.animation_data.action)
+            armature.animation_data and counterpart(context.scene, armature.animation_data.action)
             for armature in armatures_of(context)
         )
 
@@ -39,14 +42,14 @@ class ROUNDELAY_OT_toggle(bpy.types.Operator):
         """Swap the actions."""
         for armature in armatures_of(context):
             data = armature.animation_data
-            other = counterpart(data.action) if data else None
+            other = counterpart(context.scene, data.action) if data else None
             if other is not None:
                 show(armature, other)
         return {"FINISHED"}
 
 
 class ROUNDELAY_OT_show(bpy.types.Operator):
-    """Play this loop."""
+    """Play this loop"""
 
     bl_idname = "roundelay.show"
     bl_label = "Show Loop"
@@ -59,7 +62,7 @@ class ROUNDELAY_OT_show(bpy.types.Operator):
         chosen = bpy.data.actions[self.action]
         for armature in armatures_of(context):
             current = armature.animation_data and armature.animation_data.action
-            if current and chosen.get(SOURCE) in (current, current.get(SOURCE)):
+            if current and captured(chosen) == captured(current):
                 show(armature, chosen)
         return {"FINISHED"}
 

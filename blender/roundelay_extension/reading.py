@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import bpy
@@ -14,19 +15,45 @@ from roundelay import Motion
 from roundelay.geometry import rotations as rot
 
 from . import compat
-from .rig import Rig
+from .bones import placing_curves
+from .compat import Armature
+from .rig import Channels, Rig
 
 Array = NDArray[np.float64]
 Curves = dict[tuple[str, int], Any]
 
 
-def read_motion(rig: Rig, scene: bpy.types.Scene, frames: range) -> Generator[float, None, Motion]:
-    """Read a rig's motion at some frames of the scene, yielding the fraction done."""
+@dataclass(frozen=True)
+class Reading:
+    """What an action does.
+
+    Attributes
+    ----------
+    motion : Motion
+    place : (4, 4) ndarray or None
+        The armature's own matrix at the first frame, where its motion is part of the root's.
+    """
+
+    motion: Motion
+    place: Array | None
+
+    def subsampled(self, step: int) -> Reading:
+        """Take every step-th frame."""
+        thin = self.motion.at(np.arange(0, len(self.motion), step))
+        return replace(self, motion=replace(thin, frame_time=self.motion.frame_time * step))
+
+
+def read(rig: Rig, scene: bpy.types.Scene, frames: range) -> Generator[float, None, Reading]:
+    """Read what a rig does at some frames of the scene, yielding the fraction done."""
     if _must_play(rig):
-        rotations, locations = yield from _played(rig, scene, frames)
+        channels, places = yield from _played(rig, scene, frames)
     else:
-        rotations, locations = _from_curves(rig, np.array(frames, float))
-    return rig.motion(rotations, locations, scene.render.fps_base / scene.render.fps)
+        channels, places = _from_curves(rig, frames), _places(rig.armature, frames)
+    frame_time = scene.render.fps_base / scene.render.fps
+    if not rig.carried:
+        return Reading(rig.motion(channels, None, frame_time), None)
+    placed = np.linalg.inv(places[0]) @ places
+    return Reading(rig.motion(channels, placed, frame_time), places[0])
 
 
 def _must_play(rig: Rig) -> bool:
@@ -41,14 +68,35 @@ def _is_special(bone: Any) -> bool:
     return not bone.bone.use_inherit_rotation or any(c.enabled for c in bone.constraints)
 
 
-def _from_curves(rig: Rig, frames: Array) -> tuple[Array, Array]:
+def _from_curves(rig: Rig, frames: range) -> Channels:
     curves = {
         (curve.data_path, curve.array_index): curve
         for curve in compat.fcurves(rig.armature.animation_data)
     }
-    rotations = np.stack([_rotations(bone, curves, frames) for bone in rig.bones], axis=1)
-    locations = np.stack([_locations(bone, curves, frames) for bone in rig.bones], axis=1)
-    return rotations, locations
+    at = np.array(frames, float)
+    return Channels(
+        np.stack([_rotations(bone, curves, at) for bone in rig.bones], axis=1),
+        np.stack([_locations(bone, curves, at) for bone in rig.bones], axis=1),
+        np.stack([_channel(bone, "scale", curves, at) for bone in rig.bones], axis=1)
+        if rig.scaled
+        else None,
+    )
+
+
+def _places(armature: Armature, frames: range) -> Array:
+    """Return the armature's own matrices (F, 4, 4), as its curves set them one after the other."""
+    curves = [(getattr(armature, c.data_path), c) for c in placing_curves(armature)]
+    before = [(values, c.array_index, values[c.array_index]) for values, c in curves]
+    matrices = np.empty((len(frames), 4, 4))
+    try:
+        for row, frame in enumerate(frames):
+            for values, curve in curves:
+                values[curve.array_index] = curve.evaluate(frame)
+            matrices[row] = armature.matrix_basis
+    finally:
+        for values, index, value in before:
+            values[index] = value
+    return matrices
 
 
 def _rotations(bone: Any, curves: Curves, frames: Array) -> Array:
@@ -97,25 +145,26 @@ def _values(curve: Any, frames: Array) -> Array:
 
 def _played(
     rig: Rig, scene: bpy.types.Scene, frames: range
-) -> Generator[float, None, tuple[Array, Array]]:
+) -> Generator[float, None, tuple[Channels, Array]]:
     """Set every frame and take the bones from where they are, parents thought at rest."""
     pose, current = rig.armature.pose.bones, scene.frame_current
     where = {bone.name: index for index, bone in enumerate(pose)}
-    matrices = np.empty((len(frames), len(pose), 4, 4))
+    matrices, places = np.empty((len(frames), len(pose), 4, 4)), np.empty((len(frames), 4, 4))
     buffer = np.empty(16 * len(pose), np.float32)
     try:
         for row in _visited(scene, frames):
             pose.foreach_get("matrix", buffer)
             matrices[row] = buffer.reshape(-1, 4, 4).transpose(0, 2, 1)
+            places[row] = rig.armature.matrix_basis
             yield row / len(frames)
     finally:
         scene.frame_set(current)
     rest = np.array([bone.bone.matrix_local for bone in pose])
     parents = [where[bone.parent.name] if bone.parent else -1 for bone in pose]
-    chosen = np.array([where[bone.name] for bone in rig.bones])
-    own = _relative(matrices, rest, parents)[:, chosen]
-    turn = own[..., :3, :3] / np.linalg.norm(own[..., :3, :3], axis=-2, keepdims=True)
-    return rot.from_matrix(turn), own[..., :3, 3]
+    own = _relative(matrices, rest, parents)[:, [where[bone.name] for bone in rig.bones]]
+    turn, scales = own[..., :3, :3], np.linalg.norm(own[..., :3, :3], axis=-2)
+    rotations = rot.from_matrix(turn / scales[..., None, :])
+    return Channels(rotations, own[..., :3, 3], scales if rig.scaled else None), places
 
 
 def _visited(scene: bpy.types.Scene, frames: range) -> Iterator[int]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which bones of an armature take part, and how they look to roundelay.
+"""An armature's bones as roundelay's skeleton, and what they do as its motion.
 
 A bone's rotation, as roundelay has it, is relative to its parent and along the armature's axes:
 identity at rest, as in a BVH. With the bone's rest rotation R, Blender's own is R^-1 q R.
@@ -9,20 +9,31 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay import Motion, Skeleton, SkeletonMismatch
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.geometry.symmetry import partners
 
-from . import compat
-from .compat import Armature, State
+from . import bones as which
+from .compat import Armature
 
 Array = NDArray[np.float64]
+
+# How far from its bone the joint of a scale lies, in body sizes: too little to be seen.
+_BESIDE = 1e-4
+
+
+class Channels(NamedTuple):
+    """What is keyed: own rotations (F, J, 4), locations and scales (F, J, 3), which may be none."""
+
+    rotations: Array
+    locations: Array
+    scales: Array | None
 
 
 @dataclass(frozen=True)
@@ -36,62 +47,112 @@ class Rig:
         The root first, parents before children.
     keyed : (J,) ndarray of bool
         Bones that move in the search and get keys; the others are held at rest.
+    scaled : bool
+        Whether the scale of a bone changes. Scales ride along as the places of joints beside
+        the bones, so that all that is done to poses is done to them.
+    carried : bool
+        Whether the armature's own motion is part of the root's.
     skeleton : Skeleton
         The bones, followed by the tips of moving bones without children where no joint shows
-        their motion, and of the root where it stays: what hangs on it alone is not the root.
+        their motion, and of the root where it stays: what hangs on it alone is not the root;
+        at last the scales.
     rest : (J, 4) ndarray
         Rest rotations in the armature.
+    base : (4, 4) ndarray
+        The root's parent in the armature, relative to rest.
     up : int
         The axis that points up in the world.
     """
 
     armature: Armature
-    bones: tuple[bpy.types.PoseBone, ...]
+    bones: tuple[Any, ...]
     keyed: NDArray[np.bool_]
+    scaled: bool
+    carried: bool
     skeleton: Skeleton
     rest: Array
+    base: Array
     up: int
 
-    def motion(self, rotations: Array, locations: Array, frame_time: float) -> Motion:
-        """Make a motion of the bones' own rotations (F, J, 4) and locations (F, J, 3)."""
-        local = rot.multiply(rot.multiply(self.rest, rotations), rot.conjugate(self.rest))
-        local[:, ~self.keyed] = (1.0, 0.0, 0.0, 0.0)
-        moved = rot.rotate(self.rest, locations)
+    def motion(self, channels: Channels, placed: Array | None, frame_time: float) -> Motion:
+        """Make a motion of what is keyed.
+
+        Parameters
+        ----------
+        channels : Channels
+        placed : (F, 4, 4) ndarray or None
+            The armature relative to its first frame, where that is carried.
+        frame_time : float
+        """
+        count = len(self.bones)
+        rotations = rot.multiply(rot.multiply(self.rest, channels.rotations), self._back)
+        rotations[:, ~self.keyed] = (1.0, 0.0, 0.0, 0.0)
+        moved = rot.rotate(self.rest, channels.locations)
         moved[:, ~self.keyed] = 0.0
+        path = self.skeleton.offsets[0] + moved[:, 0]
+        if placed is not None:
+            carried = np.linalg.inv(self.base) @ placed @ self.base
+            turns = carried[:, :3, :3]
+            turn = rot.from_matrix(turns / np.linalg.norm(turns, axis=-2, keepdims=True))
+            rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
+            path = np.einsum("fij,fj->fi", carried[:, :3, :3], path) + carried[:, :3, 3]
         translations = None
-        if np.abs(moved[:, 1:]).max(initial=0.0) > 1e-5 * self.skeleton.size:
-            translations = self._with_tips(self.skeleton.offsets[: len(self.bones)] + moved)
-        tips = rot.identity(len(local), self.skeleton.n_joints - len(self.bones))
+        scales = channels.scales
+        if scales is not None or np.abs(moved[:, 1:]).max(initial=0.0) > 1e-5 * self.skeleton.size:
+            translations = np.tile(self.skeleton.offsets, (len(path), 1, 1))
+            translations[:, :count] += moved
+            if scales is not None:
+                translations[:, -count:] *= scales
+        added = rot.identity(len(path), self.skeleton.n_joints - count)
         return Motion(
             skeleton=self.skeleton,
-            rotations=np.concatenate([local, tips], axis=1),
-            root_path=self.skeleton.offsets[0] + moved[:, 0],
+            rotations=np.concatenate([rotations, added], axis=1),
+            root_path=path,
             frame_time=frame_time,
             translations=translations,
             name=self.armature.animation_data.action.name,
             up=self.up,
         )
 
-    def channels(self, motion: Motion) -> tuple[Array, Array]:
-        """Return the bones' own rotations and locations: the inverse of `motion`."""
+    def channels(self, motion: Motion) -> Channels:
+        """Return what to key for a motion: the inverse of `motion`, the armature standing."""
         count = len(self.bones)
         local = motion.rotations[:, :count].copy()
         free = [not bone.bone.use_inherit_rotation for bone in self.bones]
         if any(free):
             turned = forward_kinematics(motion.skeleton, motion.rotations)[1]
             local[:, free] = turned[:, :count][:, free]
-        back = rot.conjugate(self.rest)
-        moved = np.zeros((len(motion), count, 3))
+        moved, scales = np.zeros((len(motion), count, 3)), None
         if motion.translations is not None:
             moved = motion.translations[:, :count] - self.skeleton.offsets[:count]
+            if self.scaled:
+                # A mirrored motion has other signs.
+                scales = np.abs(motion.translations[:, -count:]) / self.skeleton.offsets[-count:]
         moved[:, 0] = motion.root_path - self.skeleton.offsets[0]
-        return rot.multiply(rot.multiply(back, local), self.rest), rot.rotate(back, moved)
-
-    def _with_tips(self, translations: Array) -> Array:
-        tips = self.skeleton.offsets[len(self.bones) :]
-        return np.concatenate(
-            [translations, np.broadcast_to(tips, (len(translations), *tips.shape))], axis=1
+        return Channels(
+            rot.multiply(rot.multiply(self._back, local), self.rest),
+            rot.rotate(self._back, moved),
+            scales,
         )
+
+    def require_both_sides(self) -> None:
+        """Check that what is keyed can be mirrored.
+
+        Raises
+        ------
+        SkeletonMismatch
+            Naming a bone that lacks.
+        """
+        names = [bone.name for bone, keyed in zip(self.bones, self.keyed, strict=True) if keyed]
+        flat = Skeleton(("-", *names), (-1, *[0] * len(names)), np.zeros((len(names) + 1, 3)))
+        try:
+            partners(flat)
+        except SkeletonMismatch as fault:
+            raise SkeletonMismatch(f"mirroring needs both sides: {fault}") from None
+
+    @property
+    def _back(self) -> Array:
+        return rot.conjugate(self.rest)
 
 
 def rig_of(armature: Armature, chosen: Collection[str] | None = None) -> Rig:
@@ -109,80 +170,53 @@ def rig_of(armature: Armature, chosen: Collection[str] | None = None) -> Rig:
     SkeletonMismatch
         If no bone is animated.
     """
-    names = animated_bones(armature) & set(armature.pose.bones.keys() if chosen is None else chosen)
-    moving = [bone for bone in armature.pose.bones if bone.name in names]
-    if not moving:
-        which = "no bone" if chosen is None else "none of the selected bones"
-        raise SkeletonMismatch(f"{armature.name}: {which} is animated")
-    root = _main_root(moving) if chosen is None else _common_root(moving)
-    travels = _travels(armature, root)
+    moving = _moving(armature, chosen)
+    root = which.main_root(moving) if chosen is None else which.common_root(moving)
+    travels = which.travels(armature, root)
+    carried = which.moves(armature) and (chosen is None or root in moving)
     if not travels and root.parent is not None:
-        root = root.parent
-    bones = (root, *_below(root))
+        # What carries the armature carries all that hangs on it.
+        root = root.parent_recursive[-1] if carried else root.parent
+    bones = (root, *which.below(root))
     keyed = np.array([chosen is None or bone in moving for bone in bones])
-    rest = rot.from_matrix(np.array([bone.bone.matrix_local.to_3x3() for bone in bones]))
+    scaled = not which.scaled_bones(armature).isdisjoint(bone.name for bone in bones)
     shown = chosen is None and any(bone.children for bone in moving if bone is not root)
     tips = [] if shown else [bone for bone in bones if bone in moving and not bone.children]
     tips += [] if travels or root in tips else [root]
-    return Rig(armature, bones, keyed, _skeleton(bones, tips), rest, _up_axis(armature, root))
+    return Rig(
+        armature=armature,
+        bones=bones,
+        keyed=keyed,
+        scaled=scaled,
+        carried=carried,
+        skeleton=_skeleton(bones, tips, scaled=scaled),
+        rest=rot.from_matrix(np.array([bone.bone.matrix_local.to_3x3() for bone in bones])),
+        base=_base(root),
+        up=_up_axis(armature, root),
+    )
 
 
-def animated_bones(armature: Armature) -> State:
-    """Name the bones that curves or constraints move."""
-    moving = {bone.name for bone in armature.pose.bones if any(c.enabled for c in bone.constraints)}
-    for curve in compat.fcurves(armature.animation_data):
-        parts = curve.data_path.split('"')
-        if len(parts) == 3 and parts[0] == "pose.bones[" and _varies(curve):
-            moving.add(bpy.utils.unescape_identifier(parts[1]))
-    return moving
+def _moving(armature: Armature, chosen: Collection[str] | None) -> list[Any]:
+    names = which.animated_bones(armature)
+    names &= set(armature.pose.bones.keys() if chosen is None else chosen)
+    if not names:
+        whose = "no bone" if chosen is None else "none of the selected bones"
+        raise SkeletonMismatch(f"{armature.name}: {whose} is animated")
+    return [bone for bone in armature.pose.bones if bone.name in names]
 
 
-def _travels(armature: Armature, bone: Any) -> bool:
-    """Tell whether a bone changes place by itself, as the root of a body does."""
-    if any(constraint.enabled for constraint in bone.constraints):
-        return True
-    path = bone.path_from_id("location")
-    curves = compat.fcurves(armature.animation_data)
-    return any(curve.data_path == path and _varies(curve) for curve in curves)
-
-
-def _varies(curve: Any) -> bool:
-    points = np.empty(2 * len(curve.keyframe_points), np.float32)
-    curve.keyframe_points.foreach_get("co", points)
-    return len(points) == 0 or bool(np.ptp(points[1::2]) > 0.0)
-
-
-def _main_root(moving: Sequence[Any]) -> Any:
-    """Return the topmost moving bone with most moving bones below it."""
-    tops = [bone for bone in moving if not any(above in moving for above in bone.parent_recursive)]
-    return max(tops, key=lambda top: sum(bone in moving for bone in top.children_recursive))
-
-
-def _common_root(moving: Sequence[Any]) -> Any:
-    """Return the lowest bone above all moving ones, one of them if it is."""
-    lines = [[*reversed(bone.parent_recursive), bone] for bone in moving]
-    common = [level[0] for level in zip(*lines, strict=False) if len(set(level)) == 1]
-    if not common:
-        raise SkeletonMismatch("the selected bones hang on different roots")
-    return common[-1]
-
-
-def _below(root: Any) -> list[Any]:
-    """List what hangs on a bone, parents before children."""
-    return [below for child in root.children for below in (child, *_below(child))]
-
-
-def _skeleton(bones: Sequence[Any], tips: Sequence[Any]) -> Skeleton:
+def _skeleton(bones: Sequence[Any], tips: Sequence[Any], *, scaled: bool) -> Skeleton:
     heads = np.array([bone.bone.head_local for bone in bones])
     parents = [-1] + [bones.index(bone.parent) for bone in bones[1:]]
     offsets = np.concatenate([heads[:1], heads[1:] - heads[parents[1:]]])
-    ends = [(i, _span(bone)) for i, bone in enumerate(bones) if not bone.children]
-    hung = [(bones.index(bone), _span(bone)) for bone in tips]
+    hung = [(f"{bone.name} (tip)", bones.index(bone), _span(bone)) for bone in tips]
+    beside = np.full(3, _BESIDE * max(np.ptp(heads, axis=0).max(), np.linalg.norm(_span(bones[0]))))
+    hung += [(f"{bone.name} (scale)", i, beside) for i, bone in enumerate(bones) if scaled]
     return Skeleton(
-        names=(*(bone.name for bone in bones), *(f"{bone.name} (tip)" for bone in tips)),
-        parents=(*parents, *(joint for joint, _ in hung)),
-        offsets=np.concatenate([offsets, *(span[None] for _, span in hung)]),
-        end_sites=tuple(ends),
+        names=(*(bone.name for bone in bones), *(name for name, _, _ in hung)),
+        parents=(*parents, *(joint for _, joint, _ in hung)),
+        offsets=np.concatenate([offsets, *(span[None] for _, _, span in hung)]),
+        end_sites=tuple((i, _span(bone)) for i, bone in enumerate(bones) if not bone.children),
     )
 
 
@@ -190,11 +224,14 @@ def _span(bone: Any) -> Array:
     return np.array(bone.bone.tail_local - bone.bone.head_local)
 
 
+def _base(root: Any) -> Array:
+    """Return where the root's parent is now, (4, 4) in the armature and relative to rest."""
+    if root.parent is None:
+        return np.eye(4)
+    return np.array(root.parent.matrix @ root.parent.bone.matrix_local.inverted())
+
+
 def _up_axis(armature: Armature, root: Any) -> int:
     """Return the axis nearest to the world's up, in the armature with the root's parent at rest."""
-    turn = armature.matrix_world.to_3x3()
-    if root.parent is not None:
-        turn = (
-            turn @ root.parent.matrix.to_3x3() @ root.parent.bone.matrix_local.to_3x3().inverted()
-        )
-    return int(np.argmax(np.abs(np.array(turn.inverted())[:, 2])))
+    turn = np.array(armature.matrix_world.to_3x3()) @ _base(root)[:3, :3]
+    return int(np.argmax(np.abs(np.linalg.inv(turn)[:, 2])))

@@ -14,12 +14,12 @@ from roundelay.segmentation import Segment
 
 from . import compat
 from .compat import Context, State
-from .extract import Capture, armatures_of, read_capture
+from .extract import Capture, armatures_of, has_armature, read_capture
 from .jobs import LongOperator, Progress, Steps, threaded
 
 
 class ROUNDELAY_OT_segment(LongOperator, bpy.types.Operator):
-    """Cut the action into distinct behaviours; those that come back have the same letter."""
+    """Cut the action into distinct behaviours; those that come back have the same letter"""
 
     bl_idname = "roundelay.segment"
     bl_label = "Cut into Behaviours"
@@ -27,8 +27,8 @@ class ROUNDELAY_OT_segment(LongOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        """Work needs an armature, and no other work in progress."""
-        return not cls.busy and bool(armatures_of(context))
+        """Work needs an armature."""
+        return has_armature(cls, context)
 
     def steps(self, context: Context) -> Steps[str]:
         """Read, cut and mark."""
@@ -74,7 +74,7 @@ def _strips(scene: Any, capture: Capture, parts: tuple[Segment, ...], step: int)
 
 
 class ROUNDELAY_OT_frames_from_markers(bpy.types.Operator):
-    """Search only between the markers around the current frame."""
+    """Search only between the markers around the current frame"""
 
     bl_idname = "roundelay.frames_from_markers"
     bl_label = "Range from Markers"

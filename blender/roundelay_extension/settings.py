@@ -17,9 +17,15 @@ from bpy.props import (
 )
 
 _AXIS_MODELS = [
-    ("TRAVEL", "Travel", "Periodic, and a line: the root moves on"),
-    ("SWAY", "In place", "Periodic only: the root stays"),
-    ("NONE", "None", "Not at all"),
+    ("TRAVEL", "Travel", "The root moves on, with the sway of every period"),
+    ("SWAY", "In Place", "The root sways, but comes back"),
+    ("NONE", "None", "The root does not move"),
+]
+_MODELS = [*_AXIS_MODELS, ("AXES", "By Axis", "Chosen for the armature's axes one by one")]
+_METHODS = [
+    ("HARMONIC", "Automatic", "Smooth regression of rotations, faded over where parts end"),
+    ("PAPER", "Weighted", "Regression of angles with velocities and accelerations (Raunio 2014)"),
+    ("CENTROID", "Averages", "Means of the nearest poses (Vejdemo-Johansson et al. 2015)"),
 ]
 
 
@@ -36,6 +42,8 @@ class LoopReport(bpy.types.PropertyGroup):
     confidence: FloatProperty()
     seam: FloatProperty()
     step: FloatProperty()
+    turning: FloatProperty()
+    frames: StringProperty()
 
 
 class ClassItem(bpy.types.PropertyGroup):
@@ -77,6 +85,9 @@ class Settings(bpy.types.PropertyGroup):
     )
     foot_lock: BoolProperty(
         name="Hold Feet", description="Keep standing feet where they stand", default=True
+    )
+    travel: EnumProperty(
+        name="Root", description="How the root moves over the periods of a loop", items=_MODELS
     )
     travel_x: EnumProperty(name="X", description="Root along the armature's X", items=_AXIS_MODELS)
     travel_y: EnumProperty(name="Y", description="Root along the armature's Y", items=_AXIS_MODELS)
@@ -122,6 +133,17 @@ class Settings(bpy.types.PropertyGroup):
         min=0,
         max=500,
     )
+    method: EnumProperty(name="Method", description="How poses become a loop", items=_METHODS)
+    velocity: BoolProperty(
+        name="Velocity",
+        description="Let the loop follow the velocities of the capture, too",
+        default=True,
+    )
+    acceleration: BoolProperty(
+        name="Acceleration",
+        description="Let the loop follow the accelerations of the capture, too",
+        default=True,
+    )
     use_plots: BoolProperty(name="PCA Plots", description="Write plots of poses and loops")
     plot_folder: StringProperty(name="Folder", subtype="DIR_PATH", default="//")
     sensitivity: FloatProperty(
@@ -143,6 +165,7 @@ class Settings(bpy.types.PropertyGroup):
     classes: CollectionProperty(type=ClassItem)
     loops: CollectionProperty(type=LoopReport)
     message: StringProperty()
+    notes: StringProperty()
     progress: FloatProperty(min=0.0, max=1.0)
 
 

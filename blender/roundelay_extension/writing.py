@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from mathutils import Quaternion
+from mathutils import Matrix, Quaternion
 from numpy.typing import NDArray
 
 from roundelay import Motion
@@ -20,7 +20,7 @@ from .rig import Rig
 
 Array = NDArray[np.float64]
 
-SOURCE = "roundelay_source"
+SOURCE, PLACE = "roundelay_source", "roundelay_place"
 _LINEAR, _BEZIER, _AUTO_CLAMPED = 1, 2, 4
 
 
@@ -43,14 +43,17 @@ def write_loop(
     action, place = compat.new_action(name, rig.armature)
     taken = [*range(0, len(loop) - 1, key_step), len(loop) - 1]
     frames = start + np.array(taken, float)
-    rotations, locations = rig.channels(loop)
+    rotations, locations, scales = rig.channels(loop)
     for joint in np.flatnonzero(rig.keyed):
         bone = rig.bones[joint]
-        for path, values in _curves(bone, rotations[taken, joint]):
-            _add(place, bone, path, frames, values, travels=False, smooth=key_step > 1)
-        values = locations[taken, joint]
-        if np.abs(values).max() > 1e-6 * rig.skeleton.size:
-            _add(place, bone, "location", frames, values, travels=joint == 0, smooth=key_step > 1)
+        channels = [*_curves(bone, rotations[taken, joint])]
+        if np.abs(locations[taken, joint]).max() > 1e-6 * rig.skeleton.size:
+            channels.append(("location", locations[taken, joint]))
+        if scales is not None:
+            channels.append(("scale", scales[taken, joint]))
+        for path, values in channels:
+            travels = path == "location" and joint == 0
+            _add(place, bone, path, frames, values, travels=travels, smooth=key_step > 1)
     action.use_frame_range, action.use_cyclic, action.use_fake_user = True, True, True
     action.frame_start, action.frame_end = start, start + len(loop) - 1
     return action
@@ -115,5 +118,18 @@ def add_strip(armature: Armature, action: bpy.types.Action, repeat: float) -> No
 
 
 def show(armature: Armature, action: bpy.types.Action) -> None:
-    """Let an action drive an armature."""
+    """Let an action drive an armature.
+
+    A loop has the armature's own motion in its root: the armature stands where it began.
+    """
     compat.assign(armature.animation_data, action)
+    place: Any = action.get(PLACE)
+    if place is not None:
+        armature.matrix_basis = Matrix(np.reshape(place, (4, 4)).tolist())
+
+
+def captured(action: bpy.types.Action) -> bpy.types.Action:
+    """Return the capture a loop was made of; an action that is no loop is its own."""
+    while (source := action.get(SOURCE)) is not None:
+        action = source
+    return action

@@ -1,6 +1,7 @@
 """The button: from an action to loops."""
 
 import math
+import re
 import time
 
 import bpy
@@ -10,6 +11,7 @@ import pytest
 import roundelay
 from conftest import CAPTURES, drifting, import_capture
 from inside import curves_of, extract, keys_of, pose_at
+from rigs import choose
 
 
 def span(action):
@@ -114,14 +116,19 @@ def test_scaled_and_turned_armatures(jumps):
 
 def test_in_place_and_single_axes(jumps):
     settings = bpy.context.scene.roundelay
-    settings.travel_x = settings.travel_y = "SWAY"
+    settings.travel = "SWAY"
     start, end = span(extract())
     assert np.allclose(pose_at(jumps, start)[0], pose_at(jumps, end)[0], atol=1e-3)
-    bpy.ops.roundelay.toggle()
-    settings.travel_x = settings.travel_y = settings.travel_z = "NONE"
+    assert not np.allclose(pose_at(jumps, start)[0], pose_at(jumps, start + 50)[0], atol=0.1)
+    settings.travel = "NONE"
     start, _ = span(extract())
     still = pose_at(jumps, start)[0, :3, 3]
     assert np.allclose(pose_at(jumps, start + 50)[0, :3, 3], still, atol=1e-3)
+    settings.travel, settings.travel_x, settings.travel_z = "AXES", "NONE", "SWAY"
+    start, end = span(extract())
+    (x, y, z), (x_after, y_after, z_after) = (pose_at(jumps, f)[0, :3, 3] for f in (start, end))
+    assert x_after == pytest.approx(x, abs=1e-3) and z_after == pytest.approx(z, abs=1e-3)
+    assert abs(y_after - y) > 1.0
 
 
 def test_mirror_phase_fewer_keys_and_strip(jumps):
@@ -168,18 +175,12 @@ def test_pose_mode_without_animated_bones(jumps):
         bpy.ops.roundelay.extract()
 
 
-def test_mirror_wants_all_bones(jumps):
+def test_mirror_wants_both_sides(jumps):
     bpy.ops.object.mode_set(mode="POSE")
     choose(jumps, ["LeftArm", "LeftForeArm"])
     bpy.context.scene.roundelay.mirror = True
-    with pytest.raises(RuntimeError, match="mirroring needs all bones"):
+    with pytest.raises(RuntimeError, match=r"mirroring needs both sides: .* 'RightArm'"):
         bpy.ops.roundelay.extract()
-
-
-def choose(armature, names):
-    for bone in armature.pose.bones:
-        place = bone if hasattr(bone, "select") else bone.bone
-        place.select = bone.name in names
 
 
 def test_several_armatures_and_one_that_fails():
@@ -271,3 +272,68 @@ def test_undo(jumps):
     bpy.ops.ed.undo()
     armature = bpy.context.view_layer.objects.active
     assert not armature.animation_data.action.name.startswith("Periodic")
+
+
+def test_pressed_again_it_works_on_the_capture(jumps):
+    source = jumps.animation_data.action
+    first = extract()
+    bpy.context.scene.roundelay.travel = "SWAY"
+    second = extract()
+    assert second != first and second["roundelay_source"] == source
+    assert span(second) == span(first)
+    bpy.ops.roundelay.toggle()
+    assert jumps.animation_data.action == source
+    bpy.ops.roundelay.toggle()
+    assert jumps.animation_data.action == second
+
+
+def test_reports_count_frames_of_the_scene(jumps):
+    settings = bpy.context.scene.roundelay
+    extract()
+    found = settings.loops[0].frames
+    (cycle,) = roundelay.find_cycles(roundelay.read(CAPTURES / "01_01.bvh"))
+    runs = [f"{start + 1}-{stop + 1}" for start, stop in cycle.evidence.runs]
+    assert found == "frames " + ", ".join(runs)
+    settings.use_frames, settings.first_frame, settings.frame_count = True, 1001, 60
+    with pytest.raises(RuntimeError) as refusal:
+        extract()
+    numbers = [int(n) for n in re.findall(r"(\d+)-\d+", str(refusal.value))]
+    assert all(1001 <= number <= 1061 for number in numbers)
+
+
+def loop_by(method, **constraints):
+    """Return the rotation curves' values of the active armature's loop by a method."""
+    settings = bpy.context.scene.roundelay
+    settings.method = method
+    for name in ("velocity", "acceleration"):
+        setattr(settings, name, constraints.get(name, True))
+    action = extract()
+    armature = bpy.context.view_layer.objects.active
+    values = [keys_of(curve)[:, 1] for curve in curves_of(armature).values()]
+    return span(action), np.array(values)
+
+
+def test_methods_and_constraints(jumps):
+    """Each choice arrives: the same period, other curves; unheeded where it has no meaning."""
+    frames, smooth = loop_by("HARMONIC")
+    loops = {
+        "weighted": loop_by("PAPER"),
+        "without velocity": loop_by("PAPER", velocity=False),
+        "without acceleration": loop_by("PAPER", acceleration=False),
+        "positions only": loop_by("PAPER", velocity=False, acceleration=False),
+        "averages": loop_by("CENTROID"),
+    }
+    assert all(found == frames for found, _ in loops.values())
+    curves = [smooth, *(values for _, values in loops.values())]
+    for number, values in enumerate(curves):
+        assert all(np.abs(values - other).max() > 1e-3 for other in curves[:number])
+    assert np.array_equal(loop_by("HARMONIC", velocity=False)[1], smooth)
+
+
+@pytest.mark.parametrize("method", ["PAPER", "CENTROID"])
+def test_classes_by_hand_heed_the_method(jumps, method):
+    automatic = loop_by(method)[1]
+    settings = bpy.context.scene.roundelay
+    assert bpy.ops.roundelay.inspect() == {"FINISHED"}
+    settings.classes[0].chosen = True
+    assert np.allclose(loop_by(method)[1], automatic, atol=1e-5)

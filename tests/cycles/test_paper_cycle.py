@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import roundelay as rl
 from roundelay import synth
+from roundelay.cli import app
 from roundelay.cycles.paper_cycle import paper_cycle
-from roundelay.errors import TooShort
 from roundelay.geometry import rotations as rot
 from roundelay.quality import quality
 
@@ -93,10 +96,43 @@ def test_a_joint_that_turns_all_the_way_comes_back(turns):
     assert steps.max() < 1.5 * steps.mean()
 
 
+@pytest.mark.parametrize("fps", [120.0, 40.0])
+def test_one_closed_period_comes_back(fps):
+    """Where frames are few, [C]'s weights would be ratios of rounding errors."""
+    motion = synth.gait("walk", repetitions=1, fps=fps).motion
+    whole = rl.Options(method="paper", frames=(0, len(motion)))
+    cycle = rl.find_cycles(motion, whole)[0]
+    assert cycle.evidence.closed
+    assert quality(cycle, motion).template_error < 0.05
+
+
+def test_a_joint_that_flips_is_averaged(made):
+    """Half a turn to and fro, as thumbs of captures do, leaves no sign to follow."""
+    motion, hand = made.motion, made.motion.skeleton.index("RightHand")
+    broken = motion.rotations.copy()
+    flip = rot.from_rotation_vector(np.array([np.pi, 0.0, 0.0]))
+    for start in (60, 190, 210, 330):
+        broken[start : start + 12, hand] = rot.multiply(broken[start : start + 12, hand], flip)
+    cycle = rl.find_cycles(replace(motion, rotations=broken), PAPER)[0]
+    loop = cycle.sample().rotations[:, hand]
+    assert np.median(rot.angle_between(loop, rot.mean(motion.rotations[:, hand]))) < 0.2
+
+
 def test_what_it_cannot_do_is_said(made):
     cycle = rl.find_cycles(made.motion)[0]
     with pytest.raises(ValueError, match="with its evidence"):
         paper_cycle(replace(cycle, evidence=None), made.motion)
-    short = replace(cycle, evidence=replace(cycle.evidence, runs=((0, 8),)))
-    with pytest.raises(TooShort, match="at least 9 frames"):
-        paper_cycle(short, made.motion)
+
+
+def test_the_command_offers_it(made, tmp_path: Path):
+    capture = tmp_path / "walk.bvh"
+    rl.write(made.motion, capture)
+    arguments = ["loop", str(capture), "-o", str(tmp_path), "--no-picture", "--no-velocity"]
+    result = CliRunner().invoke(app, [*arguments, "--method", "paper"])
+    assert result.exit_code == 0, result.output
+    options = json.loads((tmp_path / "walk_loop.json").read_text())["options"]
+    used = {name: options[name] for name in ("method", "velocity", "acceleration")}
+    assert used == {"method": "paper", "velocity": False, "acceleration": True}
+    refused = CliRunner().invoke(app, arguments)
+    assert refused.exit_code == 2
+    assert "velocities and accelerations to leave out" in refused.stderr

@@ -37,6 +37,8 @@ class Followed:
         root's without the drift of its heading.
     odd : (J,) ndarray of bool
         Joints whose sign changes from repetition to repetition.
+    jumps : (J,) ndarray of bool
+        Joints that turn too far between two frames to be followed in sign.
     drift : (F,) ndarray
         Heading in radians that was taken from the root.
     turning : float
@@ -45,6 +47,7 @@ class Followed:
 
     local: Array
     odd: NDArray[np.bool_]
+    jumps: NDArray[np.bool_]
     drift: Array
     turning: float
 
@@ -76,12 +79,12 @@ def followed_poses(motion: Motion, turns: Array, runs: Sequence[Run], harmonics:
     local = motion.rotations.copy()
     back = rot.from_rotation_vector(-drift[:, None] * motion.up_vector)
     local[:, 0] = rot.multiply(back, local[:, 0])
-    odd = _signed(local, returns, runs)
+    odd, jumps = _signed(local, returns, runs)
     if closed:
         _close(local[slice(*runs[0])], turns[slice(*runs[0])])
     if len(runs) > 1:
         drift = drift + _align_runs(local, turns, runs, odd, harmonics, motion.up)
-    return Followed(local, odd, drift, rate)
+    return Followed(local, odd, jumps, drift, rate)
 
 
 def _returns(turns: Array, run: Run) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -115,8 +118,8 @@ def _heading_drift(
 
 def _signed(
     local: Array, returns: list[tuple[NDArray[np.intp], NDArray[np.intp]]], runs: Sequence[Run]
-) -> NDArray[np.bool_]:
-    """Choose signs of quaternions (F, J, 4) in place; tell the joints (J,) that are odd.
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Choose signs of quaternions (F, J, 4) in place; tell the joints (J,) that are odd, that jump.
 
     Signs follow a joint through time, and it is odd if most of its poses come back with the
     other sign: it makes an odd number of whole turns a period. A joint that jumps cannot be
@@ -140,7 +143,7 @@ def _signed(
             sound = np.flatnonzero(~around)
             local[inside, joint] = _bridged(values * np.sign(side)[:, None], sound)
             odd[joint] = False
-    return odd
+    return odd, jumps
 
 
 def _bridged(values: Array, sound: NDArray[np.intp]) -> Array:

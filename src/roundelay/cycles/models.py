@@ -131,16 +131,21 @@ def fit_model(
     line : bool
         Add the line of eq. 3.27, which each run may begin at a place of its own.
 
+    Returns
+    -------
+    Fit
+        By values alone where the frames are too few for the variances of eq. 3.12 and 3.13.
+
     Raises
     ------
     TooShort
-        If a run has fewer than 9 frames and the model uses velocities or accelerations.
+        If the model is not weighted and no run has 9 frames to differentiate.
     """
     x, y = np.asarray(phase, float), np.asarray(values, float)
     runs = [(0, len(x))] if runs is None else runs
-    orders = [0] + [1] * model.velocity + [2] * model.acceleration
-    targets = _targets(y, period, orders, runs)
     inner = np.concatenate([np.arange(start + _REACH, stop - _REACH) for start, stop in runs])
+    orders = _orders(model, len(inner))
+    targets = _targets(y, period, orders, runs)
     designs = [
         _design(x, model.harmonics, order, runs if line else None)[inner if order else slice(None)]
         for order in orders
@@ -160,11 +165,22 @@ def fit_model(
     )
 
 
+def _orders(model: Model, differences: int) -> list[int]:
+    """Return the orders of the derivatives to fit, 0 for the values.
+
+    No more differences than coefficients leave no residual to know their variance by.
+    """
+    if model.weighted and differences <= 2 * model.harmonics + 1:
+        return [0]
+    return [0] + [1] * model.velocity + [2] * model.acceleration
+
+
 def _targets(values: Array, period: float, orders: list[int], runs: Sequence[Run]) -> list[Array]:
     """Return values and, of the orders asked for, their differences within runs."""
     if orders == [0]:
         return [values]
-    apart = [finite_differences(values[start:stop], period) for start, stop in runs]
+    long = [(start, stop) for start, stop in runs if stop - start > 2 * _REACH] or runs
+    apart = [finite_differences(values[start:stop], period) for start, stop in long]
     return [values, *(np.concatenate([run[order - 1] for run in apart]) for order in orders[1:])]
 
 

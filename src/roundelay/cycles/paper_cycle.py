@@ -5,15 +5,15 @@ The frames and the circular coordinate are those that the main job found; from t
 
     coordinate -> ranks (3.20) -> angles, root's path -> weighted regression (3.14, 3.27) -> cycle
 
-Where [C] leaves something open:
+Where this is not [C] to the letter (`roundelay.cycles.paper` is):
 
-- *Angles* are rotation vectors about each joint's mean rotation, in radians: unlike Euler angles
+- *Angles* are rotation vectors about each joint's mean rotation, in radians. Unlike Euler angles
   they have no order of axes, no gimbal, and no border within a whole turn of the mean. A joint
-  that makes whole turns ([C] 6.4) has angles about a steady turn instead of its mean.
-- *Period*: the step 1 / N of finite differences (3.25) takes the cycle's period, since the slope
-  of [C] 3.6 is biased where ranks are: below two repetitions and a half.
-- *Heading*: what the root's heading gains from repetition to repetition is no periodic angle. It is
-  the cycle's steady turning, and the path is fitted in the heading that turns along.
+  that makes whole turns, which [C] 6.4 leaves open, has them about a steady turn.
+- *Period*: N of eq. 3.25 and of the loop is the cycle's. The slope of a line over ranks ([C] 3.6)
+  is up to 5 % off below two repetitions.
+- *Heading*: what the root's heading gains from period to period is no periodic angle. It stays the
+  cycle's steady turning, and the path is fitted in the heading that turns along.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.cycles.cycle import Cycle
-from roundelay.cycles.following import followed_poses
+from roundelay.cycles.following import Followed, followed_poses
 from roundelay.cycles.harmonic import HarmonicCurve
 from roundelay.cycles.models import Fit, Model, fit_model
 from roundelay.geometry import rotations as rot
@@ -65,12 +65,11 @@ def paper_cycle(
     harmonics : int, optional
         K; by default [C]'s 20, or as many as the frames of a period can tell apart.
     velocity, acceleration : bool
-        Constrain the regression by them ([C] 5.3 items 20, 21).
+        Constrain the regression by them ([C] 5.3 items 20, 21), where the frames are more
+        than the coefficients.
 
     Raises
     ------
-    TooShort
-        If a run has fewer than 9 frames, and velocity or acceleration is asked for.
     ValueError
         If the cycle carries no evidence, or a joint turns so that no angles follow it.
     """
@@ -84,17 +83,19 @@ def paper_cycle(
     poses = followed_poses(motion, phase, runs, harmonics)
     inside = np.concatenate([np.arange(*run) for run in runs])
     fit = partial(fit_model, phase[inside], period=period, model=model, runs=_joined(runs))
-    centre = _centre(cycle, poses.local[inside], poses.odd)
-    angles = fit(_angles(centre, phase[inside], poses.local[inside], cycle.skeleton)).curve
+    centre = _centre(cycle, poses, inside)
+    angles = fit(_angles(centre(phase[inside]), poses, inside, cycle.skeleton)).curve
     path = np.concatenate([_walked(poses.steps(motion)[start : stop - 1]) for start, stop in runs])
     travel, height = fit(path, line=True), fit(motion.root_path[inside, motion.up, None]).curve
+    # Only a cycle that climbs has a line along the vertical, as [C] 5.3 items 12-14 choose by hand.
     climbs = cycle.velocity.constant[cycle.up] != 0.0
+    keep = (np.arange(3) != cycle.up) | climbs
     even, odd = _poses(centre, angles)
     return replace(
         cycle,
         pose=even,
         odd_pose=odd,
-        velocity=_velocity(travel, kept=np.arange(3) != (-1 if climbs else cycle.up)),
+        velocity=_velocity(travel, keep),
         height=cycle.height if climbs else height,
     )
 
@@ -141,13 +142,14 @@ class _Centre:
         return np.cos(angle) * self.cosine + np.sin(angle) * self.sine
 
 
-def _centre(cycle: Cycle, local: Array, odd: NDArray[np.bool_]) -> _Centre:
-    """Choose steady turns for joints whose poses (n, J, 4) go all around."""
+def _centre(cycle: Cycle, poses: Followed, inside: NDArray[np.intp]) -> _Centre:
+    """Choose means, and steady turns for joints that go all around theirs."""
+    local = poses.local[inside]
     mean = rot.mean(local)
     frequency, sine = np.zeros(len(mean)), np.zeros_like(mean)
     cosine = np.einsum("njq,jq->nj", local, mean)
-    around = (cosine * _signs(cosine)).min(axis=0) < _FARTHEST
-    for joint in np.flatnonzero(odd | around):
+    around = poses.odd | ((cosine * _sign(cosine.sum(axis=0))).min(axis=0) < _FARTHEST)
+    for joint in np.flatnonzero(around & ~poses.jumps):
         frequency[joint], mean[joint], sine[joint] = _steady_turn(cycle, joint)
     return _Centre(frequency, mean, sine)
 
@@ -165,15 +167,18 @@ def _steady_turn(cycle: Cycle, joint: np.intp) -> tuple[float, Array, Array]:
     return float(frequencies[strongest]), *(left @ right).T
 
 
-def _signs(cosine: Array) -> Array:
-    """Return the signs (J,) that make cosines (n, J) of half angles positive on average."""
-    return np.where(cosine.sum(axis=0) < 0.0, -1.0, 1.0)
+def _sign(cosine: Array) -> Array:
+    return np.where(cosine < 0.0, -1.0, 1.0)
 
 
-def _angles(centre: _Centre, phase: Array, local: Array, skeleton: Skeleton) -> Array:
-    """Return rotation vectors (n, 3 J) about a centre, smooth up to a whole turn from it."""
-    apart = rot.multiply(rot.conjugate(centre(phase)), local)
-    apart *= _signs(apart[..., 0])[:, None]
+def _angles(centre: Array, poses: Followed, inside: NDArray[np.intp], skeleton: Skeleton) -> Array:
+    """Return rotation vectors (n, 3 J) from centres (n, J, 4), smooth up to a whole turn.
+
+    Those of a joint that jumps are within half a turn instead.
+    """
+    apart = rot.multiply(rot.conjugate(centre), poses.local[inside])
+    cosine = apart[..., 0]
+    apart *= np.where(poses.jumps, _sign(cosine), _sign(cosine.sum(axis=0)))[..., None]
     far = np.flatnonzero(apart[..., 0].min(axis=0) < _FARTHEST)
     if len(far):
         names = ", ".join(skeleton.names[joint] for joint in far)
@@ -181,7 +186,7 @@ def _angles(centre: _Centre, phase: Array, local: Array, skeleton: Skeleton) -> 
     length = np.linalg.norm(apart[..., 1:], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(length, apart[..., :1])
     vectors = apart[..., 1:] * np.where(length > _TINY, angle / np.maximum(length, _TINY), 2.0)
-    return vectors.reshape(len(phase), -1)
+    return vectors.reshape(len(inside), -1)
 
 
 def _poses(centre: _Centre, angles: HarmonicCurve) -> tuple[HarmonicCurve, HarmonicCurve | None]:
@@ -197,12 +202,12 @@ def _poses(centre: _Centre, angles: HarmonicCurve) -> tuple[HarmonicCurve, Harmo
     return even, HarmonicCurve.through(np.where(odd, values, 0.0), odd=True)
 
 
-def _velocity(travel: Fit, kept: NDArray[np.bool_]) -> HarmonicCurve:
-    """Return the derivative of eq. 3.27 by phase, of the axes (3,) that travel."""
-    rate = 2 * np.pi * travel.curve.frequencies[:, None] * kept
+def _velocity(travel: Fit, keep: NDArray[np.bool_]) -> HarmonicCurve:
+    """Return the derivative of [C] eq. 3.27 by phase, of the axes (3,) to keep."""
+    rate = 2 * np.pi * travel.curve.frequencies[:, None] * keep
     return HarmonicCurve(
         travel.curve.frequencies,
-        travel.slope * kept,
+        travel.slope * keep,
         -rate * travel.curve.cosine,
         rate * travel.curve.sine,
     )

@@ -1,17 +1,20 @@
-"""What an engine needs to play a loop: root motion, phase markers, contacts, collisions as data."""
+"""What an engine needs to play a loop: root motion, phase markers, contacts, limbs that meet."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.repair import Mended
 from roundelay.cycles.standing import standing_feet
 from roundelay.geometry.collision import collisions
 from roundelay.geometry.contacts import closed_stretches
+from roundelay.motion import Motion
 
-__all__ = ["foot_contacts", "playback_record"]
+__all__ = ["foot_contacts", "limb_record", "playback_record"]
 
 _MARKERS = 4
 
@@ -23,6 +26,7 @@ def playback_record(
     periods: int = 1,
     in_place: bool = False,
     repeat_first: bool = False,
+    mended: Sequence[Mended] = (),
 ) -> dict[str, Any]:
     """Describe a loop as `Cycle.sample` makes it, for the engine that plays it.
 
@@ -31,6 +35,8 @@ def playback_record(
     cycle : Cycle
     fps, periods, in_place, repeat_first
         As given to `Cycle.sample`.
+    mended : sequence of Mended
+        What `roundelay.cycles.repair.repaired` changed to make the cycle.
 
     Returns
     -------
@@ -40,8 +46,7 @@ def playback_record(
         period: displacement in the skeleton's unit, turning in degrees, whether it is in the
         file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by its joint,
         of half-open ranges of frames in which it stands, the second number beyond the period
-        where it stands across the seam; ``collisions``: pairs of bones, by the joints at their
-        lower ends, that may pass through each other in one period, with the frames.
+        where it stands across the seam; what `limb_record` tells of one period.
     """
     rate = cycle.fps if fps is None else fps
     count = max(1, round(cycle.period * rate))
@@ -60,22 +65,45 @@ def playback_record(
         },
         "markers": [{"phase": phase, "frame": frame} for phase, frame in markers],
         "contacts": foot_contacts(cycle, rate),
-        "collisions": _collisions(cycle, count),
+    } | limb_record(cycle.sample(rate), mended)
+
+
+def limb_record(motion: Motion, mended: Sequence[Mended] = ()) -> dict[str, Any]:
+    """Tell which limbs may pass through each other, and which were moved apart.
+
+    Returns
+    -------
+    dict
+        ``collisions``: pairs of bones, by the joints at their lower ends, with a half-open
+        range of frames, the frame where they are deepest in each other and how deep;
+        ``mended``: pairs that were moved apart, with the ranges of frames in which they met more
+        than in the capture and the largest angle in degrees by which a joint was turned.
+    """
+    met = collisions(motion.skeleton, motion.rotations, translations=motion.translations)
+    return {
+        "collisions": [
+            {
+                "bones": list(one.bones),
+                "frames": [one.start, one.stop],
+                "deepest": one.frame,
+                "depth": one.depth,
+            }
+            for one in met
+        ],
+        "mended": [
+            {
+                "bones": list(one.bones),
+                "frames": [_frames(span, motion.fps) for span in one.seconds],
+                "largest_degrees": float(np.degrees(one.angle)),
+            }
+            for one in mended
+        ],
     }
 
 
-def _collisions(cycle: Cycle, count: int) -> list[dict[str, Any]]:
-    period = cycle.at(np.arange(count) / count, frame_time=1.0)
-    met = collisions(cycle.skeleton, period.rotations, translations=period.translations)
-    return [
-        {
-            "bones": list(one.bones),
-            "frames": [one.start, one.stop],
-            "deepest": one.frame,
-            "depth": one.depth,
-        }
-        for one in met
-    ]
+def _frames(seconds: tuple[float, float], fps: float) -> list[int]:
+    start = round(seconds[0] * fps)
+    return [start, max(start + 1, round(seconds[1] * fps))]
 
 
 def foot_contacts(cycle: Cycle, fps: float) -> dict[str, list[list[int]]]:

@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from roundelay.commands.common import one_line_errors, output_directory, read_capture
+from roundelay.commands.limbs import Repair, print_limbs, source_parts
 from roundelay.commands.loop import Fps, InPlace, RepeatFirst
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from roundelay.cycles.cycle import Cycle
+    from roundelay.motion import Motion
 
 Captures = Annotated[
     list[Path], typer.Argument(help="BVH or AMC files, one cycle each.", show_default=False)
@@ -44,23 +48,29 @@ def blend(
     fps: Fps = None,
     in_place: InPlace = False,
     repeat_first: RepeatFirst = False,
+    repair: Repair = True,
 ) -> None:
     """Blend the best cycles of several captures and write the loop.
 
     The cycles are brought into phase and heading with the first; rotations are averaged on the
-    sphere, travel, turning and period blended along.
+    sphere, travel, turning and period blended along. Limbs that pass through each other more
+    than in the captures are parted.
     """
     with one_line_errors():
         from roundelay.cycles.blend import blend as blend_cycles
+        from roundelay.cycles.repair import repaired
         from roundelay.formats import write
+        from roundelay.playback import playback_record
 
-        cycles = [_best_cycle(path) for path in captures]
+        cycles, sources = _best_cycles(captures, mirror)
         shares = [1.0 / len(cycles)] * len(cycles) if weights is None else _numbers(weights)
         mixed = blend_cycles(cycles, shares, by=align, mirror=mirror)  # type: ignore[arg-type]
+        mixed, mended = repaired(mixed, sources) if repair else (mixed, ())
         loop = mixed.sample(fps, in_place=in_place, repeat_first=repeat_first)
         output_directory(output.parent)
         write(loop, output)
         typer.echo(f"{output}: {len(loop)} frames, period {mixed.period:.2f} s")
+        print_limbs(playback_record(mixed, fps, mended=mended))
 
 
 def transition(
@@ -73,15 +83,19 @@ def transition(
     align: Align = "poses",
     mirror: Mirror = False,
     fps: Fps = None,
+    repair: Repair = True,
 ) -> None:
     """Go from the best cycle of one capture to that of another, the phase running on."""
     with one_line_errors():
         from roundelay.cycles.blend import transition as make_transition
+        from roundelay.cycles.repair import repaired_motion
         from roundelay.formats import write
+        from roundelay.playback import limb_record
 
+        (start, end), sources = _best_cycles([first, second], mirror)
         motion = make_transition(
-            _best_cycle(first),
-            _best_cycle(second),
+            start,
+            end,
             seconds,
             before=before,
             after=after,
@@ -89,19 +103,27 @@ def transition(
             by=align,  # type: ignore[arg-type]
             mirror=mirror,
         )
+        motion, mended = repaired_motion(motion, sources) if repair else (motion, ())
         output_directory(output.parent)
         write(motion, output)
         typer.echo(f"{output}: {len(motion)} frames at {motion.fps:g} fps")
+        print_limbs(limb_record(motion, mended))
 
 
-def _best_cycle(path: Path) -> Cycle:
+def _best_cycles(paths: Sequence[Path], mirror: bool) -> tuple[list[Cycle], list[Motion]]:
+    """Return the best cycle of each capture, and the parts of the captures that show them."""
     from roundelay.errors import NoPeriod
     from roundelay.pipeline import find_cycles
 
-    try:
-        return find_cycles(read_capture(path, None))[0]
-    except NoPeriod as refusal:
-        raise NoPeriod(f"{path}: {refusal}", refusal.evidence) from None
+    cycles, sources = [], []
+    for path in paths:
+        motion = read_capture(path, None)
+        try:
+            cycles.append(find_cycles(motion)[0])
+        except NoPeriod as refusal:
+            raise NoPeriod(f"{path}: {refusal}", refusal.evidence) from None
+        sources += source_parts(cycles[-1], motion, mirror=mirror)
+    return cycles, sources
 
 
 def _numbers(text: str) -> list[float]:

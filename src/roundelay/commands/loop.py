@@ -19,10 +19,12 @@ from roundelay.commands.common import (
     progress_bar,
     read_capture,
 )
+from roundelay.commands.limbs import Repair, print_limbs, source_parts
 from roundelay.commands.options import SearchOptions, takes_search
 
 if TYPE_CHECKING:
     from roundelay.cycles.cycle import Cycle
+    from roundelay.cycles.repair import Mended
     from roundelay.errors import NoPeriod
     from roundelay.motion import Motion
     from roundelay.pipeline import Options
@@ -79,6 +81,7 @@ def loop(
     periods: Periods = 1,
     repeat_first: RepeatFirst = False,
     segments: Segments = False,
+    repair: Repair = True,
     file_format: Format = "bvh",
     picture: Picture = True,
     gif: Gif = False,
@@ -119,9 +122,10 @@ def loop(
             "in_place": in_place,
             "repeat_first": repeat_first,
         }
-        record = _write(motion, capture, folder, options, cycles, sampling, file_format, picture)
+        loops = [_repaired(motion, cycle) if repair else (cycle, ()) for cycle in cycles]
+        record = _write(motion, capture, folder, options, loops, sampling, file_format, picture)
         if gif:
-            _animate(record, cycles, folder)
+            _animate(record, [cycle for cycle, _ in loops], folder)
         if json:
             print_json(record)
         else:
@@ -141,6 +145,12 @@ def _cycles(
     if options.frames is not None:
         raise ValueError("expected --frames or --segments, found both")
     return cycles_in_segments(segment(motion), motion, options, progress=progress)
+
+
+def _repaired(motion: Motion, cycle: Cycle) -> tuple[Cycle, tuple[Mended, ...]]:
+    from roundelay.cycles.repair import repaired
+
+    return repaired(cycle, source_parts(cycle, motion))
 
 
 def _refuse(
@@ -166,7 +176,7 @@ def _write(
     capture: Path,
     folder: Path,
     options: Options,
-    cycles: list[Cycle],
+    loops: list[tuple[Cycle, tuple[Mended, ...]]],
     sampling: dict[str, Any],
     file_format: str,
     picture: bool,
@@ -179,17 +189,17 @@ def _write(
 
     base = f"{capture.stem}_loop"
     record = capture_record(motion, capture, options) | {"sampling": sampling, "cycles": []}
-    for number, cycle in enumerate(cycles, 1):
+    for number, (cycle, mended) in enumerate(loops, 1):
         path = folder / f"{base}{number if number > 1 else ''}.{file_format}"
         sampled = cycle.sample(**sampling)
         write(sampled, path)
         entry = cycle_record(cycle, quality(cycle, motion), [path])
-        playback = playback_record(cycle, **sampling)
+        playback = playback_record(cycle, **sampling, mended=mended)
         record["cycles"].append(entry | {"loop_frames": len(sampled), "playback": playback})
     if picture:
         from roundelay.figures import overview, save
 
-        save(overview(motion, cycles), folder / f"{base}.png")
+        save(overview(motion, [cycle for cycle, _ in loops]), folder / f"{base}.png")
     write_json(record, folder / f"{base}.json")
     return record
 
@@ -220,14 +230,4 @@ def _print_summary(record: dict[str, Any], folder: Path) -> None:
             f"{figures['seam_rotation']:.1f} deg (largest step elsewhere "
             f"{figures['step_rotation']:.1f}), template error {figures['template_error']:.2f} rad"
         )
-        _print_collisions(cycle["playback"]["collisions"])
-
-
-def _print_collisions(met: list[dict[str, Any]]) -> None:
-    """Say which bones may pass through each other, a line a pair."""
-    pairs: dict[str, list[str]] = {}
-    for one in met:
-        start, stop = one["frames"]
-        pairs.setdefault(" and ".join(one["bones"]), []).append(f"{start}-{stop}")
-    for bones, frames in pairs.items():
-        typer.echo(f"    {bones} may touch in frames {', '.join(frames)}")
+        print_limbs(cycle["playback"])

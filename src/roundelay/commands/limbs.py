@@ -1,0 +1,42 @@
+"""Limbs that pass through each other: the switch that parts them, and what is said of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from roundelay.cycles.cycle import Cycle
+    from roundelay.motion import Motion
+
+Repair = Annotated[
+    bool,
+    typer.Option(
+        "--repair/--no-repair",
+        help="Part limbs that pass through each other more than they do in the capture.",
+    ),
+]
+
+
+def source_parts(cycle: Cycle, motion: Motion, *, mirror: bool = False) -> list[Motion]:
+    """Return the parts of a capture that show a cycle, and if asked those mirrored."""
+    whole, runs = motion.with_root_motion(), cycle.evidence.runs if cycle.evidence else ()
+    parts = [whole[start:stop] for start, stop in runs]
+    return parts + [part.mirror() for part in parts if mirror]
+
+
+def print_limbs(record: dict[str, Any]) -> None:
+    """Say which bones were moved apart and which may still touch, a line a pair."""
+    for one in record["mended"]:
+        frames = ", ".join(f"{start}-{stop}" for start, stop in one["frames"])
+        typer.echo(
+            f"    {' and '.join(one['bones'])} moved apart in frames {frames}, "
+            f"by turns of up to {one['largest_degrees']:.1f} deg"
+        )
+    pairs: dict[str, list[str]] = {}
+    for one in record["collisions"]:
+        start, stop = one["frames"]
+        pairs.setdefault(" and ".join(one["bones"]), []).append(f"{start}-{stop}")
+    for bones, spans in pairs.items():
+        typer.echo(f"    {bones} may touch in frames {', '.join(spans)}")

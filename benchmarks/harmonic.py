@@ -16,8 +16,10 @@ the faithful models and for the default:
 
 The loop of the default is its frames (a whole number a period, repeated) before the foot lock,
 which is measured beside it. The default searches whole captures, boxing too, where *own* is its
-figure. Poses put before a capture (a T-pose, or frames before a jump of a limb in the first few)
-are left out for all. `benchmarks.harmonic_pictures` draws the rows where [C] fails.
+figure. The method "paper" fits [C]'s models to the frames and the coordinate that the default
+found, with and without velocities and accelerations. Poses put before a capture (a T-pose, or
+frames before a jump of a limb in the first few) are left out for all.
+`benchmarks.harmonic_pictures` draws the rows where [C] fails.
 """
 
 from __future__ import annotations
@@ -40,6 +42,7 @@ from benchmarks.raunio_tables import PUBLISHED, SCALE, Published
 from roundelay import pipeline
 from roundelay.cycles import models, paper
 from roundelay.cycles.fitting import fit_cycle
+from roundelay.cycles.paper_cycle import paper_cycle
 from roundelay.cycles.tempo import time_phase
 from roundelay.detection import candidate_parts
 from roundelay.geometry import rotations as rot
@@ -50,6 +53,14 @@ from roundelay.quality import quality, velocity_changes
 
 Array = NDArray[np.float64]
 
+# What the method "paper" is constrained by ([C] 5.3 items 20, 21).
+CONSTRAINTS: dict[str, dict[str, bool]] = {
+    "velocity, acceleration": {},
+    "velocity": {"acceleration": False},
+    "acceleration": {"velocity": False},
+    "neither": {"velocity": False, "acceleration": False},
+}
+
 
 @dataclass(frozen=True)
 class Row:
@@ -59,6 +70,7 @@ class Row:
     frames: int
     faithful: dict[str, dict[str, Any]]
     default: dict[str, Any]
+    method_paper: dict[str, dict[str, Any]]
 
 
 def captures(data: Path) -> dict[str, Path]:
@@ -138,6 +150,18 @@ def default(motion: Motion) -> dict[str, Any]:
     }
 
 
+def method_paper(motion: Motion) -> dict[str, dict[str, Any]]:
+    """Run the method "paper" on the first cycle's frames with each set of constraints."""
+    try:
+        cycle = roundelay.find_cycles(motion)[0]
+    except roundelay.RoundelayError as error:
+        return {name: {"failed": str(error)} for name in CONSTRAINTS}
+    return {
+        name: asdict(quality(paper_cycle(cycle, motion, **used), motion))
+        for name, used in CONSTRAINTS.items()
+    }
+
+
 def measure(data: Path, only: Sequence[str], *, with_paper: bool) -> list[Row]:
     """Measure every capture of the tables that is there."""
     rows = []
@@ -149,7 +173,8 @@ def measure(data: Path, only: Sequence[str], *, with_paper: bool) -> list[Row]:
         old = faithful(motion, row) if with_paper else {}
         # The windows of table C.1 hold about one punch: two are needed to know the period.
         whole = motion if row.frames is None else load(path, None)
-        rows.append(Row(row, len(motion), old, default(whole)))
+        fitted = method_paper(whole) if with_paper else {}
+        rows.append(Row(row, len(motion), old, default(whole), fitted))
     return rows
 
 
@@ -224,10 +249,23 @@ def summary(rows: list[Row]) -> dict[str, Any]:
         ("loop_skate", "capture_skate"),
     ):
         result[f"{ours} <= {theirs}"] = sum(f[ours] <= f[theirs] for f in figures)
+    result["methods"] = methods(gaits)
     frames = sum(row.frames for row in gaits)
     seconds = sum(row.default.get("seconds", 0.0) for row in gaits)
     result["frames_a_second"] = frames / max(seconds, 1e-9)
     return result
+
+
+def methods(rows: list[Row]) -> dict[str, Any]:
+    """Return medians of the default and of the method "paper" by its constraints."""
+    measured = {"default": [row.default.get("quality", {}) for row in rows]}
+    for name in CONSTRAINTS:
+        measured[f"paper: {name}"] = [row.method_paper.get(name, {}) for row in rows]
+    shown = ("template_error", "velocity_error", "seam_velocity", "seam_rotation", "loop_jerk")
+    return {
+        name: {key: _median([one.get(key) for one in found]) for key in shown}
+        for name, found in measured.items()
+    }
 
 
 def _median(values: list[float | None]) -> float | None:

@@ -25,11 +25,19 @@ if TYPE_CHECKING:
         TooShort,
     )
     from roundelay.formats import read, write
+    from roundelay.library import Library, LoopOptions, Match, build_library
     from roundelay.motion import Motion, concatenate
     from roundelay.periodicity import Evidence
     from roundelay.pipeline import Options, find_cycles
     from roundelay.quality import Quality
     from roundelay.segmentation import Segmentation, segment
+    from roundelay.signature import (
+        bottleneck_distance,
+        cluster,
+        cycle_distance,
+        distance_matrix,
+        wasserstein_distance,
+    )
     from roundelay.skeleton import Skeleton
 
 _HOMES = {
@@ -49,11 +57,19 @@ _HOMES = {
         "TooShort",
     ),
     "formats": ("read", "write"),
+    "library": ("Library", "LoopOptions", "Match", "build_library"),
     "motion": ("Motion", "concatenate"),
     "periodicity": ("Evidence",),
     "pipeline": ("Options", "find_cycles"),
     "quality": ("Quality",),
     "segmentation": ("Segmentation", "segment"),
+    "signature": (
+        "bottleneck_distance",
+        "cluster",
+        "cycle_distance",
+        "distance_matrix",
+        "wasserstein_distance",
+    ),
     "skeleton": ("Skeleton",),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
@@ -64,7 +80,10 @@ __all__ = [
     "CycleSpace",
     "Evidence",
     "FormatError",
+    "Library",
     "LiftError",
+    "LoopOptions",
+    "Match",
     "Motion",
     "NoPeriod",
     "Options",
@@ -78,11 +97,17 @@ __all__ = [
     "TooShort",
     "TopologyOptions",
     "blend",
+    "bottleneck_distance",
+    "build_library",
+    "cluster",
     "concatenate",
+    "cycle_distance",
+    "distance_matrix",
     "find_cycles",
     "read",
     "segment",
     "transition",
+    "wasserstein_distance",
     "with_periods",
     "write",
 ]

@@ -11,7 +11,9 @@ from roundelay.commands.blend import blend, transition
 from roundelay.commands.convert import convert
 from roundelay.commands.excitations import excitations
 from roundelay.commands.inspect import inspect
+from roundelay.commands.library import library
 from roundelay.commands.loop import loop
+from roundelay.commands.search import search
 from roundelay.commands.segment import segment
 from roundelay.commands.view import view
 
@@ -24,7 +26,18 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     help="From raw motion capture to seamless, loopable cycles.",
 )
-for command in (loop, segment, inspect, excitations, view, blend, transition, convert):
+for command in (
+    loop,
+    segment,
+    inspect,
+    excitations,
+    view,
+    blend,
+    transition,
+    library,
+    search,
+    convert,
+):
     app.command()(command)
 
 
@@ -49,6 +62,6 @@ def main() -> None:
     """Run the command line."""
     # The matrices here are small: threads of the linear algebra would only get in each
     # other's way. Set before numpy is loaded, unless the user has.
-    for library in ("OPENBLAS", "MKL", "OMP"):
-        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    for threads in ("OPENBLAS", "MKL", "OMP"):
+        os.environ.setdefault(f"{threads}_NUM_THREADS", "1")
     app()

@@ -1,0 +1,124 @@
+"""``roundelay library``: cut, label, loop and index all captures below a folder."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from roundelay.commands.common import BAD_INPUT, NO_PERIOD, Json, one_line_errors, print_json
+from roundelay.commands.loop import Format, Fps, InPlace, RepeatFirst
+
+if TYPE_CHECKING:
+    from roundelay.library import Library
+    from roundelay.progress import Progress
+
+Sources = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="FOLDER|FILE...",
+        help="Folders, searched to any depth for BVH and AMC files, or such files.",
+        show_default=False,
+    ),
+]
+Output = Annotated[
+    Path,
+    typer.Option("-o", "--output", help="Folder of the library; made if need be."),
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option(help="Processes; one a CPU by default.", min=1, show_default=False),
+]
+Again = Annotated[bool, typer.Option("--again", help="Do again what an earlier run did.")]
+
+_INTERRUPTED = 130
+
+
+def library(
+    sources: Sources,
+    output: Output,
+    jobs: Jobs = None,
+    fps: Fps = None,
+    in_place: InPlace = False,
+    repeat_first: RepeatFirst = False,
+    file_format: Format = "bvh",
+    again: Again = False,
+    json: Json = False,
+) -> None:
+    """Cut, label and loop all captures below folders; group alike cycles; make them searchable.
+
+    Writes library.json (one record a clip), cycles.csv, the loops below loops/, and what search
+    needs. A file that cannot be used costs one line and is told of in the record. Interrupted,
+    the command keeps what is done; run again, it does only what is new or changed.
+
+    Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found; 130:
+    interrupted.
+    """
+    from roundelay.library import Library, LoopOptions, build_library
+
+    with one_line_errors():
+        started = time.monotonic()
+        options = LoopOptions(fps, in_place, repeat_first, file_format)
+        try:
+            with _bar(quiet=json) as progress:
+                made = build_library(
+                    sources,
+                    output,
+                    options,
+                    jobs=jobs,
+                    again=again,
+                    progress=progress,
+                    refused=lambda line: typer.echo(f"roundelay: {line}", err=True),
+                )
+        except KeyboardInterrupt:
+            waiting = Library.open(output).summary["waiting"]
+            typer.echo(f"roundelay: interrupted; clips left for another run: {waiting}", err=True)
+            raise typer.Exit(_INTERRUPTED) from None
+        if json:
+            print_json(made.record)
+        else:
+            _print_summary(made, output, time.monotonic() - started)
+    raise typer.Exit(_code(made))
+
+
+@contextmanager
+def _bar(quiet: bool) -> Iterator[Progress | None]:
+    """Show a bar with the time left on standard error, if that is a terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("reading", total=1.0)
+        yield lambda fraction, stage: bar.update(task, completed=fraction, description=stage)
+
+
+def _print_summary(made: Library, folder: Path, seconds: float) -> None:
+    counts = made.summary
+    typer.echo(
+        f"{folder}: clips: {counts['clips']}, loops: {counts['loops']}, "
+        f"groups: {counts['groups']}, refused: {counts['refused']}; {seconds:.1f} s"
+    )
+    largest = sorted(made.record["groups"], key=lambda group: -group["cycles"])[:10]
+    for group in largest:
+        typer.echo(
+            f"  group {group['group']:3d}: cycles: {group['cycles']}, clips: {group['clips']}, "
+            f"period {group['period_seconds']:.2f} s; for example {group['example']}"
+        )
+    if len(made.record["groups"]) > len(largest):
+        typer.echo(f"  and {len(made.record['groups']) - len(largest)} more")
+
+
+def _code(made: Library) -> int:
+    if made.summary["loops"]:
+        return 0
+    return BAD_INPUT if made.summary["refused"] >= made.summary["clips"] else NO_PERIOD

@@ -1,0 +1,68 @@
+"""``roundelay search``: the cycles of a library most like that of a capture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from roundelay.commands.common import Frames, Json, Skeleton, one_line_errors, print_json
+
+if TYPE_CHECKING:
+    from roundelay.library import Match
+
+Query = Annotated[Path, typer.Argument(help="A BVH or AMC file.", show_default=False)]
+Folder = Annotated[
+    Path,
+    typer.Argument(
+        metavar="LIBRARY", help="A folder made by roundelay library.", show_default=False
+    ),
+]
+Count = Annotated[int, typer.Option(help="How many to list.", min=1)]
+
+
+def search(
+    query: Query,
+    folder: Folder,
+    skeleton: Skeleton = None,
+    frames: Frames = None,
+    count: Count = 10,
+    json: Json = False,
+) -> None:
+    """List the cycles of a library that are most like the best cycle of a capture.
+
+    The distance is the RMS over joints and phases, in body sizes, at the best offset in phase,
+    mirrored or not. Cycles of a skeleton with other joints are left out.
+
+    Exit code 0: cycles were listed; 2: bad input, or no cycle with the capture's joints; 3: the
+    capture has no periodic motion.
+    """
+    from roundelay.commands.common import frame_range, read_capture
+    from roundelay.library import Library
+    from roundelay.pipeline import Options, find_cycles
+
+    with one_line_errors():
+        library = Library.open(folder)
+        motion = read_capture(query, skeleton)
+        cycle = find_cycles(motion, Options(frames=frame_range(frames, len(motion))))[0]
+        matches, left_out = library.search(cycle, count)
+        if json:
+            found = [{"distance": m.distance, "file": m.file} | m.cycle for m in matches]
+            print_json({"query": query.name, "left_out": left_out, "matches": found})
+        else:
+            typer.echo(f"{query.name}: period {cycle.period:.2f} s")
+            _print_matches(matches)
+            if left_out:
+                typer.echo(f"left out, having other joints: {left_out}")
+
+
+def _print_matches(matches: list[Match]) -> None:
+    typer.echo("distance  group  period  file: frames")
+    for match in matches:
+        cycle = match.cycle
+        frames = ", ".join(f"{start}-{stop}" for start, stop in cycle["parts"])
+        typer.echo(
+            f"{match.distance:8.3f}{cycle['group']:7d}{cycle['period_seconds']:6.2f} s  "
+            f"{match.file}: {frames}"
+        )

@@ -1,0 +1,141 @@
+"""Making a library: what is new is done in many processes, and all of it is put in order."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from datetime import UTC, datetime
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from roundelay.library.captures import find_captures
+from roundelay.library.catalogue import CATALOGUE, SIGNATURES, Library
+from roundelay.library.clips import Clip, LoopOptions, lost_clip, made_entry
+from roundelay.library.groups import group_records, grouped, labelled
+from roundelay.library.store import Log, shelved, write_shelves, write_table
+from roundelay.library.workers import spread
+from roundelay.progress import Progress, report
+from roundelay.records import write_json
+from roundelay.version import __version__
+
+__all__ = ["build_library"]
+
+Place = str | PathLike[str]
+Tell = Callable[[str], object]
+
+
+def build_library(
+    sources: Place | Sequence[Place],
+    folder: Place,
+    options: LoopOptions | None = None,
+    *,
+    jobs: int | None = None,
+    again: bool = False,
+    progress: Progress | None = None,
+    refused: Tell | None = None,
+) -> Library:
+    """Cut, label and loop all captures below some folders, and make them searchable.
+
+    What an earlier call did with the same file and options is kept. If the work is interrupted,
+    the library of what is done by then is written all the same. With several jobs this is to be
+    called below ``if __name__ == "__main__"``, as for `multiprocessing`.
+
+    Parameters
+    ----------
+    sources : path-like or sequence of path-like
+        Folders, searched to any depth for BVH and AMC files, and such files.
+    folder : path-like
+        Where the library is or shall be; not searched itself.
+    options : LoopOptions, optional
+        How loops are written.
+    jobs : int, optional
+        How many processes; one a CPU by default.
+    again : bool
+        Do again what is done.
+    progress : callable, optional
+        Called with the fraction done and how many clips that is; returning False cancels.
+    refused : callable, optional
+        Called with one line for each file or folder that cannot be used, with the reason.
+
+    Returns
+    -------
+    Library
+
+    Raises
+    ------
+    OSError
+        If there is no capture, a source cannot be read, or the library cannot be written.
+    ValueError
+        If a source is a file of another type, or `jobs` is not positive.
+    Cancelled
+        If `progress` returned False.
+    """
+    if jobs is not None and jobs < 1:
+        raise ValueError(f"expected at least one job, found {jobs}")
+    folder, options = Path(folder).absolute(), options or LoopOptions()
+    given = [sources] if isinstance(sources, str | PathLike) else sources
+    captures, faults = find_captures([Path(source).absolute() for source in given], folder)
+    unread = [f"{fault.filename}: {fault.strerror}" for fault in faults]
+    tell = refused or (lambda line: None)
+    for line in unread:
+        tell(line)
+    clips = [Clip(path, name, folder, options) for name, path in captures.items()]
+    folder.mkdir(parents=True, exist_ok=True)
+    log = Log(folder)
+    todo = [clip for clip in clips if again or not _is_done(clip, log)]
+    log.drop(clip.name for clip in todo)
+    try:
+        _do(todo, log, jobs or os.cpu_count() or 1, progress, tell)
+    finally:
+        _write([clip.name for clip in clips], log, unread, folder)
+    return Library.open(folder)
+
+
+def _is_done(clip: Clip, log: Log) -> bool:
+    entry = log.entries.get(clip.name)
+    if entry is None or entry.stamp is None or entry.stamp != clip.stamp():
+        return False
+    return all((clip.folder / cycle["loop"]).exists() for cycle in entry.record["cycles"])
+
+
+def _do(clips: Sequence[Clip], log: Log, jobs: int, progress: Progress | None, tell: Tell) -> None:
+    """Make the entries of clips; the fraction done is that of their bytes."""
+    sizes = {clip.name: clip.size for clip in clips}
+    total, done = max(1, sum(sizes.values())), 0
+    with closing(spread(made_entry, clips, min(jobs, len(clips)), lost_clip)) as entries:
+        for number, entry in enumerate(entries, 1):
+            log.add(entry)
+            if entry.record["error"] is not None:
+                tell(entry.record["error"])
+            done += sizes[entry.record["file"]]
+            report(progress, done / total, f"{number} of {len(clips)} clips")
+
+
+def _write(names: Sequence[str], log: Log, unread: Sequence[str], folder: Path) -> None:
+    """Put all clips that are done in order, group their cycles and write the library."""
+    entries = [log.entries[name] for name in names if name in log.entries]
+    shelves = shelved(entries)
+    labels, examples = grouped(shelves)
+    clips = labelled([entry.record for entry in entries], labels)
+    written = datetime.now(UTC).isoformat()
+    record: dict[str, Any] = {
+        "roundelay": __version__,
+        "written": written,
+        "summary": {
+            "clips": len(clips),
+            "frames": sum(clip["frames"] for clip in clips),
+            "seconds": sum(clip["seconds"] for clip in clips),
+            "loops": len(labels),
+            "groups": len(examples),
+            "refused": sum(clip["error"] is not None for clip in clips) + len(unread),
+            "waiting": len(names) - len(clips),
+        },
+        "unread": list(unread),
+        "groups": group_records(clips, examples),
+        "clips": clips,
+    }
+    write_shelves(shelves, written, folder / SIGNATURES)
+    write_table(clips, folder / "cycles.csv")
+    write_json(record, folder / CATALOGUE)

@@ -1,0 +1,69 @@
+"""Which captures there are below some folders, and what each is called."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+__all__ = ["find_captures"]
+
+_SUFFIXES = (".bvh", ".amc")
+
+
+def find_captures(sources: Sequence[Path], besides: Path) -> tuple[dict[str, Path], list[OSError]]:
+    """List the BVH and AMC files among files and below folders.
+
+    Hidden ones are left out: what other systems keep beside each file has its suffix, too.
+
+    Parameters
+    ----------
+    sources : sequence of Path
+        Absolute.
+    besides : Path
+        A folder to leave out.
+
+    Returns
+    -------
+    captures : dict
+        Files by their paths below what the sources have in common, with slashes, sorted.
+    faults : list of OSError
+        Folders further down that cannot be read.
+
+    Raises
+    ------
+    OSError
+        If a source cannot be read, or there is no capture.
+    ValueError
+        If a source is a file of another type.
+    """
+    found: set[Path] = set()
+    faults: list[OSError] = []
+    for source in sources:
+        if source.is_dir():
+            os.listdir(source)
+            found.update(_below(source, besides, faults))
+        else:
+            source.stat()
+            if source.suffix.lower() not in _SUFFIXES:
+                raise ValueError(f"expected a folder, BVH or AMC, found {source.name!r}")
+            found.add(source)
+    if not found:
+        named = ", ".join(map(str, sources))
+        raise FileNotFoundError(errno.ENOENT, "expected BVH or AMC files, found none", named)
+    root = os.path.commonpath([s if s.is_dir() else s.parent for s in sources])
+    return {path.relative_to(root).as_posix(): path for path in sorted(found)}, faults
+
+
+def _below(top: Path, besides: Path, faults: list[OSError]) -> list[Path]:
+    found = []
+    for place, folders, files in os.walk(top, onerror=faults.append):
+        here = Path(place)
+        folders[:] = [f for f in folders if not f.startswith(".") and here / f != besides]
+        found += [
+            here / file
+            for file in files
+            if not file.startswith(".") and file.lower().endswith(_SUFFIXES)
+        ]
+    return found

@@ -1,0 +1,125 @@
+"""A library that was made: its clips, its cycles, and search in it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from roundelay.cycles.cycle import Cycle
+from roundelay.errors import FormatError, SkeletonMismatch
+from roundelay.library.spectra import Spectra, least_distances
+from roundelay.library.store import Shelf, read_shelves
+
+__all__ = ["CATALOGUE", "SIGNATURES", "Library", "Match"]
+
+CATALOGUE, SIGNATURES = "library.json", "signatures.npz"
+
+
+@dataclass(frozen=True)
+class Match:
+    """A cycle of a library that was found by a search.
+
+    Attributes
+    ----------
+    distance : float
+        RMS over joints and phases in body sizes, as `roundelay.cycle_distance`.
+    file : str
+        The clip that shows it.
+    cycle : dict
+        Its record.
+    """
+
+    distance: float
+    file: str
+    cycle: dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Library:
+    """Clips with their segments, cycles and groups, as `roundelay.build_library` made them.
+
+    Attributes
+    ----------
+    folder : Path
+    record : dict
+        All that ``library.json`` tells.
+    """
+
+    folder: Path
+    record: dict[str, Any] = field(repr=False)
+    shelves: tuple[Shelf, ...] = field(repr=False)
+
+    @classmethod
+    def open(cls, folder: str | PathLike[str]) -> Library:
+        """Read a library.
+
+        Raises
+        ------
+        FormatError
+            If the folder holds none, or not all of it.
+        """
+        folder = Path(folder)
+        path = folder / CATALOGUE
+        try:
+            record = json.loads(path.read_text(encoding="utf-8"))
+            shelves = read_shelves(folder / SIGNATURES, record["written"])
+        except (OSError, ValueError, KeyError, TypeError, BadZipFile) as error:
+            message = f"expected a folder made by roundelay library: {error}"
+            raise FormatError(message, path=folder) from None
+        return cls(folder, record, tuple(shelves))
+
+    @property
+    def clips(self) -> list[dict[str, Any]]:
+        """The records of all clips."""
+        return self.record["clips"]
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """Numbers of clips, frames, seconds, loops, groups; of clips refused and waiting."""
+        return self.record["summary"]
+
+    @property
+    def cycles(self) -> list[tuple[str, dict[str, Any]]]:
+        """The file and the record of every cycle."""
+        return [(clip["file"], cycle) for clip in self.clips for cycle in clip["cycles"]]
+
+    def search(self, query: Cycle, count: int | None = 10) -> tuple[list[Match], int]:
+        """Find the cycles most like one, at the best offset in phase, mirrored or not.
+
+        Parameters
+        ----------
+        query : Cycle
+        count : int, optional
+            How many; all if None.
+
+        Returns
+        -------
+        matches : list of Match
+            Nearest first.
+        left_out : int
+            How many cycles were not compared, because their skeletons share less than half of
+            the joints' names with the query.
+
+        Raises
+        ------
+        SkeletonMismatch
+            If none can be compared.
+        """
+        wanted, cycles = Spectra.of([query]), self.cycles
+        distances = np.full(len(cycles), np.inf)
+        for shelf in self.shelves:
+            distances[shelf.numbers] = least_distances(wanted, shelf.spectra)[0]
+        compared = int(np.isfinite(distances).sum())
+        if not compared:
+            raise SkeletonMismatch(
+                f"none of the library's {len(cycles)} cycles has the joints of the query"
+            )
+        nearest = np.argsort(distances, kind="stable")[:compared][:count]
+        found = [Match(float(distances[number]), *cycles[number]) for number in nearest]
+        return found, len(cycles) - compared

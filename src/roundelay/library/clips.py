@@ -1,0 +1,218 @@
+"""One clip of a library: read, cut, its cycles found and written as loops, all told in a record."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from roundelay.cycles.cycle import Cycle
+from roundelay.errors import FormatError, NoPeriod, RoundelayError, RoundelayWarning, TooShort
+from roundelay.formats import read, write
+from roundelay.formats.asf import find_skeleton
+from roundelay.library.spectra import Spectra
+from roundelay.library.store import Entry
+from roundelay.motion import Motion
+from roundelay.pipeline import find_cycles
+from roundelay.quality import quality
+from roundelay.records import cycle_record
+from roundelay.segmentation import segment
+from roundelay.version import __version__
+
+__all__ = ["Clip", "LoopOptions", "lost_clip", "made_entry"]
+
+_FORMATS = ("bvh", "amc", "glb", "gltf")
+# What only the record of `roundelay loop` tells of a cycle: too long for thousands.
+_LEFT_OUT = ("barcode", "turns", "files")
+
+
+@dataclass(frozen=True)
+class LoopOptions:
+    """How loops are written.
+
+    Parameters
+    ----------
+    fps : float, optional
+        Frame rate; the capture's by default.
+    in_place : bool
+        Leave out the root's travel and turning.
+    repeat_first : bool
+        Append the frame that repeats the first.
+    file_format : {"bvh", "amc", "glb", "gltf"}
+
+    Raises
+    ------
+    ValueError
+        If the rate is not positive or the format unknown.
+    """
+
+    fps: float | None = None
+    in_place: bool = False
+    repeat_first: bool = False
+    file_format: str = "bvh"
+
+    def __post_init__(self) -> None:
+        if self.fps is not None and not (isfinite(self.fps) and self.fps > 0.0):
+            raise ValueError(f"expected a positive frame rate, found {self.fps}")
+        if self.file_format not in _FORMATS:
+            raise ValueError(f"expected a format among {_FORMATS}, found {self.file_format!r}")
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A capture that belongs to a library.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is.
+    name : str
+        Its path below the library's sources, with slashes: no two clips share one.
+    folder : Path
+        The library's.
+    options : LoopOptions
+    """
+
+    path: Path
+    name: str
+    folder: Path
+    options: LoopOptions
+
+    @property
+    def loops(self) -> Path:
+        """The folder of its loops, and of nothing else."""
+        return self.folder / "loops" / self.name
+
+    @property
+    def size(self) -> int:
+        """Bytes of the file; 0 if it cannot be reached."""
+        return self.path.stat().st_size if self.path.exists() else 0
+
+    def stamp(self) -> dict[str, Any] | None:
+        """Tell which version of the file is used, and how; None if it cannot be reached."""
+        files = [self.path]
+        try:
+            if self.path.suffix.lower() == ".amc":
+                with suppress(FormatError):
+                    files.append(find_skeleton(self.path))
+            versions = [[file.stat().st_size, file.stat().st_mtime_ns] for file in files]
+        except OSError:
+            return None
+        return {"files": versions, "roundelay": __version__, "options": asdict(self.options)}
+
+
+def made_entry(clip: Clip) -> Entry:
+    """Read a clip, cut it, find its cycles and write their loops.
+
+    Returns
+    -------
+    Entry
+        With the reason in its record if the clip could not be used.
+
+    Raises
+    ------
+    OSError
+        If a loop cannot be written.
+    """
+    for old in clip.loops.glob("*_loop*"):
+        old.unlink()
+    stamp = clip.stamp()
+    with warnings.catch_warnings(record=True) as raised:
+        warnings.simplefilter("always", RoundelayWarning)
+        try:
+            motion = read(clip.path)
+        except (RoundelayError, OSError) as error:
+            return _refused(clip, error, None if isinstance(error, OSError) else stamp)
+        try:
+            record, spectra = _analysed(clip, motion)
+        except OSError:
+            raise
+        # One clip that nothing is prepared for must not end the work on thousands.
+        except Exception as error:
+            return _refused(clip, error, stamp)
+    notes = [str(note.message) for note in raised if note.category is RoundelayWarning]
+    return Entry(record | {"notes": notes}, stamp, spectra)
+
+
+def _analysed(clip: Clip, motion: Motion) -> tuple[dict[str, Any], Spectra | None]:
+    try:
+        cycles, reason = find_cycles(motion), None
+    except (NoPeriod, TooShort) as refusal:
+        cycles, reason = [], str(refusal)
+    record = {
+        "file": clip.name,
+        "frames": len(motion),
+        "fps": round(motion.fps, 6),
+        "seconds": round(motion.duration, 6),
+        "joints": motion.skeleton.n_joints,
+        "segments": _segments(motion),
+        "cycles": _written(clip, motion, cycles),
+        "reason": reason,
+        "error": None,
+    }
+    return record, Spectra.of(cycles) if cycles else None
+
+
+def lost_clip(clip: Clip) -> Entry:
+    """Return the entry of a clip whose process died."""
+    return _refused(clip, MemoryError("its process died, perhaps for want of memory"), None)
+
+
+def _refused(clip: Clip, error: Exception, stamp: dict[str, Any] | None) -> Entry:
+    """Tell why a clip is left out; without a stamp it is tried again next time."""
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    known = isinstance(error, RoundelayError | OSError | MemoryError)
+    reason = reason if known else f"{type(error).__name__}: {reason}"
+    # An error of the format begins with the file and the line.
+    named = reason.removeprefix(str(clip.path))
+    line = f"{clip.name}: {reason}" if named == reason else f"{clip.name}{named}"
+    record = {"file": clip.name, "frames": 0, "seconds": 0.0, "segments": [], "cycles": []}
+    return Entry(record | {"reason": None, "error": line}, stamp)
+
+
+def _segments(motion: Motion) -> list[dict[str, Any]]:
+    """Cut the capture into behaviours, if it has the joints for it and is long enough."""
+    try:
+        found = segment(motion)
+    except RoundelayError:
+        return []
+    kept = ("start_frame", "end_frame", "label")
+    return [{key: row[key] for key in kept} for row in found.bouts()]
+
+
+def _written(clip: Clip, motion: Motion, cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
+    """Write the loops and describe the cycles."""
+    options, records = clip.options, []
+    for number, cycle in enumerate(cycles, 1):
+        loop = cycle.sample(
+            options.fps, in_place=options.in_place, repeat_first=options.repeat_first
+        )
+        ending = "" if number == 1 else str(number)
+        path = clip.loops / f"{clip.path.stem}_loop{ending}.{options.file_format}"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write(loop, path)
+        records.append(
+            _described(cycle, motion)
+            | {"loop": path.relative_to(clip.folder).as_posix(), "loop_frames": len(loop)}
+        )
+    return records
+
+
+def _described(cycle: Cycle, motion: Motion) -> dict[str, Any]:
+    """Describe a cycle as `roundelay loop` does, more briefly, with its mean speed."""
+    full = cycle_record(cycle, quality(cycle, motion))
+    speed = float(np.linalg.norm(cycle.velocity.constant)) / cycle.period
+    figures = {name: _finite(value) for name, value in full["quality"].items()}
+    kept = {key: value for key, value in full.items() if key not in _LEFT_OUT}
+    sizes = speed / motion.skeleton.size
+    return kept | {"speed": speed, "speed_in_sizes": sizes, "quality": figures}
+
+
+def _finite(value: float) -> float | None:
+    return value if isfinite(value) else None

@@ -1,0 +1,93 @@
+"""Alike cycles of a whole library: the same motion bears the same label in every clip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.library.spectra import least_distances
+from roundelay.library.store import Shelf
+from roundelay.signature import cluster
+
+__all__ = ["group_records", "grouped", "labelled"]
+
+# Mean distance, in body sizes, up to which cycles are one motion. Captured walks of eight people,
+# fast and slow, are joined below .047, runs of five people below .044; the walks and runs of CMU
+# would be joined at .06 and .074.
+_ALIKE = 0.05
+# Between cycles that cannot be compared, in body sizes.
+_FAR = 1e6
+
+
+def grouped(shelves: Sequence[Shelf]) -> tuple[list[int], list[int]]:
+    """Put alike cycles into groups, by average linkage.
+
+    Returns
+    -------
+    labels : list of int
+        The group of each cycle of the library, numbered in the order in which they first occur.
+    examples : list of int
+        The number of the most typical cycle of each group: the least far from the others.
+    """
+    distances = _distances(shelves)
+    labels = cluster(distances, within=_ALIKE)
+    examples = []
+    for label in range(len(set(labels))):
+        rows = np.flatnonzero(labels == label)
+        central = np.argmin(distances[np.ix_(rows, rows)].sum(axis=1))
+        examples.append(int(rows[central]))
+    return labels.tolist(), examples
+
+
+def _distances(shelves: Sequence[Shelf]) -> NDArray[np.float32]:
+    """Distances (n, n) of all cycles of a library."""
+    count = sum(len(shelf.numbers) for shelf in shelves)
+    result = np.empty((count, count), np.float32)
+    for number, one in enumerate(shelves):
+        for other in shelves[: number + 1]:
+            block = np.minimum(least_distances(one.spectra, other.spectra), _FAR)
+            result[np.ix_(one.numbers, other.numbers)] = block
+            result[np.ix_(other.numbers, one.numbers)] = block.T
+    return result
+
+
+def labelled(records: Sequence[dict[str, Any]], labels: Sequence[int]) -> list[dict[str, Any]]:
+    """Return the records of clips with the group of every cycle, and of segments that show one."""
+    remaining, result = iter(labels), []
+    for record in records:
+        cycles = [cycle | {"group": next(remaining)} for cycle in record["cycles"]]
+        segments = [segment | {"group": _shown(segment, cycles)} for segment in record["segments"]]
+        result.append(record | {"segments": segments, "cycles": cycles})
+    return result
+
+
+def _shown(segment: dict[str, Any], cycles: Sequence[dict[str, Any]]) -> int | None:
+    """Return the group of the cycle that fills at least half of a segment."""
+    start, stop = segment["start_frame"], segment["end_frame"]
+    filled = [
+        (sum(max(0, min(b, stop) - max(a, start)) for a, b in cycle["parts"]), cycle["group"])
+        for cycle in cycles
+    ]
+    most, group = max(filled, default=(0, None))
+    return group if 2 * most >= stop - start else None
+
+
+def group_records(clips: Sequence[dict[str, Any]], examples: Sequence[int]) -> list[dict[str, Any]]:
+    """Describe each group: how many cycles in how many clips, their median period, an example."""
+    rows = [(clip["file"], cycle) for clip in clips for cycle in clip["cycles"]]
+    members: list[list[tuple[str, dict[str, Any]]]] = [[] for _ in examples]
+    for row in rows:
+        members[row[1]["group"]].append(row)
+    return [
+        {
+            "group": group,
+            "cycles": len(inside),
+            "clips": len({file for file, _ in inside}),
+            "period_seconds": float(np.median([cycle["period_seconds"] for _, cycle in inside])),
+            "example": rows[example][1]["loop"],
+        }
+        for group, (inside, example) in enumerate(zip(members, examples, strict=True))
+    ]

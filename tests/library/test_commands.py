@@ -1,0 +1,104 @@
+"""``roundelay library`` and ``roundelay search``, as people and programs use them."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from tests.library.conftest import other_body
+from typer.testing import CliRunner
+
+import roundelay as rl
+from roundelay.cli import app
+
+runner = CliRunner()
+
+
+def run(*arguments):
+    return runner.invoke(app, [*map(str, arguments)])
+
+
+def test_a_library_of_a_folder(clips, tmp_path):
+    (clips / "broken.bvh").write_text("no capture")
+    folder = tmp_path / "library"
+    result = run("library", clips, "-o", folder, "--jobs", 1, "--fps", 30)
+    assert result.exit_code == 0, result.output
+    assert "clips: 3, loops: 2, groups: 1, refused: 1" in result.stdout
+    assert result.stderr == "roundelay: broken.bvh:1:1: expected HIERARCHY, found 'no'\n"
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"clips.jsonl", "cycles.csv", "library.json", "loops", "signatures.npz"}
+    again = run("library", clips, "-o", folder, "--jobs", 1, "--fps", 30, "--json")
+    assert json.loads(again.stdout)["summary"]["loops"] == 2
+
+
+def test_an_interrupted_run_keeps_what_is_done(clips, tmp_path, monkeypatch):
+    done = []
+
+    def interrupted(motion):
+        if done:
+            raise KeyboardInterrupt
+        done.append(motion)
+        return rl.find_cycles(motion)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("roundelay.library.clips.find_cycles", interrupted)
+        result = run("library", clips, "-o", tmp_path, "--jobs", 1)
+    assert result.exit_code == 130
+    assert result.stderr == "roundelay: interrupted; clips left for another run: 1\n"
+    assert rl.Library.open(tmp_path).summary["loops"] == 1
+    assert run("library", clips, "-o", tmp_path, "--jobs", 1).exit_code == 0
+
+
+def test_what_cannot_make_a_library(shared, tmp_path):
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    result = run("library", empty, "-o", tmp_path / "library")
+    assert result.exit_code == 2
+    assert result.stderr == f"roundelay: {empty}: expected BVH or AMC files, found none\n"
+    still = run("library", shared / "still.bvh", "-o", tmp_path / "still", "--jobs", 1)
+    assert still.exit_code == 3
+    broken = run("library", shared / "broken.bvh", "-o", tmp_path / "broken", "--jobs", 1)
+    assert broken.exit_code == 2
+    assert run("library", shared, "-o", tmp_path, "--fps", 0).exit_code == 2
+
+
+def test_search_lists_the_nearest_first(shared, made):
+    result = run("search", shared / "anna" / "walk.bvh", made[0].folder, "--count", 2)
+    assert result.exit_code == 0, result.output
+    first, heading, nearest, _, left_out = result.stdout.splitlines()
+    assert first == "walk.bvh: period 1.10 s"
+    assert heading.split()[:3] == ["distance", "group", "period"]
+    assert nearest.split()[0] == "0.000"
+    assert "anna/walk.bvh" in nearest
+    assert left_out == "left out, having other joints: 1"
+
+
+def test_search_for_programs(shared, made):
+    result = run("search", shared / "ben" / "walk.amc", made[0].folder, "--json", "--count", 3)
+    found = json.loads(result.stdout)
+    assert found["left_out"] == 1
+    assert len(found["matches"]) == 3
+    assert {match["group"] for match in found["matches"]} == {found["matches"][0]["group"]}
+    assert found["matches"][0]["distance"] < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "message"),
+    [("still.bvh", 3, "no periodic motion found"), ("broken.bvh", 2, "expected OFFSET")],
+)
+def test_queries_without_a_cycle(shared, made, name, code, message):
+    result = run("search", shared / name, made[0].folder)
+    assert result.exit_code == code
+    assert message in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+def test_search_where_nothing_can_be_compared(shared, made, tmp_path):
+    walk = shared / "anna" / "walk.bvh"
+    result = run("search", walk, tmp_path)
+    assert result.exit_code == 2
+    assert "expected a folder made by roundelay library" in result.stderr
+    rl.write(other_body(other_body(rl.read(walk))), tmp_path / "stranger.bvh")
+    result = run("search", tmp_path / "stranger.bvh", made[0].folder)
+    assert result.exit_code == 2
+    assert "none of the library's 6 cycles has the joints of the query" in result.stderr

@@ -1,0 +1,42 @@
+"""Processes that die, raise, or are told to stop."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+
+import pytest
+
+from roundelay.library.workers import spread
+
+
+def doubled(number: int) -> int:
+    if number == 3:
+        os._exit(1)
+    if number == 5:
+        raise OSError(28, "No space left on device")
+    return 2 * number
+
+
+def slow(number: int) -> int:
+    time.sleep(0.0 if number == 0 else 600.0)
+    return number
+
+
+def test_a_process_that_dies_costs_its_task_only():
+    found = spread(doubled, [1, 2, 3, 4, 6, 7], 2, lost=lambda task: -task)
+    assert sorted(found) == [-3, 2, 4, 8, 12, 14]
+
+
+def test_what_work_raises_is_raised():
+    with pytest.raises(OSError, match="No space left"):
+        list(spread(doubled, [1, 5], 2, lost=lambda task: -task))
+    assert multiprocessing.active_children() == []
+
+
+def test_closing_ends_the_processes():
+    found = spread(slow, [0, 1, 2], 2, lost=lambda task: -task)
+    assert next(found) == 0
+    found.close()
+    assert multiprocessing.active_children() == []

@@ -61,6 +61,17 @@ def test_m1_weighs_groups_by_their_own_noise() -> None:
     assert max(errors) < 1.5 * min(errors)
 
 
+def test_too_few_differences_are_not_weighed() -> None:
+    """49 frames leave 41 differences for 41 coefficients: no residual, no variance, no weight."""
+    values = np.random.default_rng(3).normal(size=(50, 1))
+    phase = np.arange(50) / 50.0
+    few, enough = (models.fit_model(phase[:n], values[:n], 50.0, models.M1) for n in (49, 50))
+    alone = models.fit_model(phase[:49], values[:49], 50.0, models.M2)
+    assert np.isnan(few.errors[1:]).all()
+    assert np.isfinite(enough.errors).all()
+    assert np.array_equal(few.curve(phase), alone.curve(phase))
+
+
 @pytest.mark.parametrize("remap", ["rank", "mixture"])
 def test_extraction_finds_the_period(turning: np.ndarray, remap: str) -> None:
     found = paper.extract(turning, paper.PaperOptions(models.Model(5), remap=remap))

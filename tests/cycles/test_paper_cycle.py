@@ -43,15 +43,14 @@ def test_the_loop_is_the_motion(made):
 
 def test_constraints_keep_the_speed(jumps, jump_cycles):
     """What [C] has them for: without, the loop follows each frame and is rougher."""
-    figures = {}
-    for velocity in (True, False):
-        for acceleration in (True, False):
-            cycle = paper_cycle(jump_cycles[0], jumps, velocity=velocity, acceleration=acceleration)
-            figures[velocity, acceleration] = quality(cycle, jumps)
-    speed = {used: one.velocity_error for used, one in figures.items()}
+    speed, rough = {}, {}
+    for used in ((True, True), (True, False), (False, True), (False, False)):
+        cycle = paper_cycle(jump_cycles[0], jumps, velocity=used[0], acceleration=used[1])
+        speed[used] = quality(cycle, jumps).velocity_error
+        # The third derivative of the curves themselves, before feet or limbs are put right.
+        rough[used] = float(np.sqrt(np.mean(cycle.pose(np.arange(200) / 200, derivative=3) ** 2)))
     assert speed[True, True] < speed[True, False] < speed[False, True] < speed[False, False]
-    assert figures[False, False].loop_jerk > 3.0 * figures[True, True].loop_jerk
-    assert figures[False, False].loop_jerk > 3.0 * figures[False, True].loop_jerk
+    assert rough[False, False] > 1.5 * max(rough[True, False], rough[False, True])
 
 
 @pytest.mark.parametrize("method", ["harmonic", "centroid"])

@@ -9,6 +9,8 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
+from roundelay.cycles.repair import Mended
+from roundelay.geometry.collision import collisions
 from roundelay.playback import foot_contacts, playback_record
 
 
@@ -46,3 +48,20 @@ def test_bones_that_meet_are_told(walk):
     assert ["LeftLeg", "RightLeg"] in [one["bones"] for one in told]
     for one in told:
         assert one["frames"][0] <= one["deepest"] < one["frames"][1]
+
+
+def test_bones_that_were_moved_apart_are_told_in_frames(walk):
+    mended = Mended(("LeftHand", "LeftUpLeg"), ((0.1, 0.2), (1.0, 1.201)), np.radians(2.0))
+    (told,) = playback_record(walk, 30, mended=[mended])["mended"]
+    assert told["bones"] == ["LeftHand", "LeftUpLeg"]
+    assert told["frames"] == [[3, 6], [30, 36]]
+    assert told["largest_degrees"] == pytest.approx(2.0)
+    assert playback_record(walk)["mended"] == []
+
+
+def test_what_is_told_is_what_is_in_the_loop(jump_cycles):
+    for cycle in jump_cycles:
+        loop = cycle.sample(24.0)
+        met = collisions(loop.skeleton, loop.rotations)
+        told = playback_record(cycle, 24.0)["collisions"]
+        assert [tuple(one["bones"]) for one in told] == [one.bones for one in met]

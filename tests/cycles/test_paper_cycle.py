@@ -134,3 +134,15 @@ def test_the_command_offers_it(made, tmp_path: Path):
     refused = CliRunner().invoke(app, arguments)
     assert refused.exit_code == 2
     assert "velocities and accelerations to leave out" in refused.stderr
+
+
+def test_a_joint_without_angles_is_named(made):
+    """Two turns there and two back in a period: neither about a mean nor a steady turn."""
+    hand = made.motion.skeleton.index("LeftHand")
+    there_and_back = 1.0 - np.abs(1.0 - 2.0 * (made.phase[:, None] % 1.0))
+    spun = made.motion.rotations.copy()
+    spun[:, hand] = rot.continuous(
+        rot.from_rotation_vector(there_and_back * np.array([4 * np.pi, 0.0, 0.0]))
+    )
+    with pytest.raises(ValueError, match="have none: LeftHand"):
+        rl.find_cycles(replace(made.motion, rotations=spun), PAPER)

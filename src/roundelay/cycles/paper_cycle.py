@@ -182,7 +182,10 @@ def _angles(centre: Array, poses: Followed, inside: NDArray[np.intp], skeleton: 
     far = np.flatnonzero(apart[..., 0].min(axis=0) < _FARTHEST)
     if len(far):
         names = ", ".join(skeleton.names[joint] for joint in far)
-        raise ValueError(f"joints that turn too unevenly for [C]'s angles: {names}")
+        raise ValueError(
+            'the method "paper" needs angles about a mean or a steady turn, and these joints '
+            f"have none: {names}"
+        )
     length = np.linalg.norm(apart[..., 1:], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(length, apart[..., :1])
     vectors = apart[..., 1:] * np.where(length > _TINY, angle / np.maximum(length, _TINY), 2.0)

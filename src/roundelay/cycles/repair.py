@@ -91,9 +91,10 @@ def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple
         return cycle, ()
     changed = _turned(cycle, body.joints, parted.turns)
     # The feet are locked anew, which may undo it.
+    allowed = {pair: depth + CLEARANCE for pair, depth in before.items()}
+    allowed |= dict.fromkeys(parted.met, 0.0)
     after = _deepest([changed.sample(fps)])
-    allowed = {**before, **dict.fromkeys(parted.met, 0.0)}
-    if any(d > max(allowed.get(p, 0.0), limits.get(p, 0.0)) + CLEARANCE for p, d in after.items()):
+    if any(d > max(allowed.get(p, 0.0), limits.get(p, 0.0)) for p, d in after.items()):
         return cycle, ()
     return changed, tuple(
         Mended(pair, _seconds(closed_stretches(met), fps), parted.angles[pair])

@@ -28,6 +28,12 @@ def test_a_whole_turn_of_the_root_comes_back_continuous() -> None:
     assert half == pytest.approx(np.pi, abs=0.2)
 
 
+@pytest.mark.parametrize("fps", [30.0, 120.0])
+def test_whole_turns_are_no_gain_of_heading(fps: float) -> None:
+    cycle = find_cycles(synth.gait("spin", repetitions=3.0, fps=fps).motion)[0]
+    assert cycle.turning == pytest.approx(0.0, abs=0.02)
+
+
 def test_a_joint_that_turns_all_the_way_comes_back_continuous() -> None:
     made = synth.gait("walk", repetitions=3.2)
     spun = made.motion.rotations.copy()

@@ -75,7 +75,7 @@ def followed_poses(motion: Motion, turns: Array, runs: Sequence[Run], harmonics:
     if closed:
         # One closed period: its ends are the pair.
         returns = [(np.array([start]), np.array([stop - 1])) for start, stop in runs]
-    drift, rate = _heading_drift(motion, returns, runs)
+    drift, rate = _heading_drift(motion, turns, returns, runs)
     local = motion.rotations.copy()
     back = rot.from_rotation_vector(-drift[:, None] * motion.up_vector)
     local[:, 0] = rot.multiply(back, local[:, 0])
@@ -88,7 +88,7 @@ def followed_poses(motion: Motion, turns: Array, runs: Sequence[Run], harmonics:
 
 
 def _returns(turns: Array, run: Run) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Pair frames of a run with those one turn later (nearest frame)."""
+    """Pair frames of a run with the first ones at least a turn later."""
     rising = np.maximum.accumulate(turns[run[0] : run[1]])
     later = np.searchsorted(rising, rising + 1.0)
     first = np.flatnonzero(later < len(rising))
@@ -96,7 +96,10 @@ def _returns(turns: Array, run: Run) -> tuple[NDArray[np.intp], NDArray[np.intp]
 
 
 def _heading_drift(
-    motion: Motion, returns: list[tuple[NDArray[np.intp], NDArray[np.intp]]], runs: Sequence[Run]
+    motion: Motion,
+    turns: Array,
+    returns: list[tuple[NDArray[np.intp], NDArray[np.intp]]],
+    runs: Sequence[Run],
 ) -> tuple[Array, float]:
     """Integrate the turning from period to period: a heading without the gait's own sway.
 
@@ -108,8 +111,12 @@ def _heading_drift(
     for (first, later), (start, stop) in zip(returns, runs, strict=True):
         if len(first) == 0:
             continue
-        gain = np.unwrap(heading(rot.multiply(root[later], rot.conjugate(root[first])), motion.up))
-        middle, rate = 0.5 * (first + later), gain / (later - first)
+        # What spins turns far in the part of a frame by which a pair is more than a turn apart.
+        beyond = np.maximum(turns[later] - turns[first] - 1.0, 0.0)
+        part = np.minimum(beyond / np.maximum(turns[later] - turns[later - 1], 1e-12), 1.0)
+        end = rot.slerp(root[later], root[later - 1], part)
+        gain = np.unwrap(heading(rot.multiply(end, rot.conjugate(root[first])), motion.up))
+        middle, rate = 0.5 * (first + later - part), gain / (later - part - first)
         rates.append(rate)
         steps = np.interp(np.arange(start, stop), middle, rate)
         drift[start:stop] = np.cumsum(steps) - steps

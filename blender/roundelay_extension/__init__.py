@@ -4,7 +4,8 @@
 ::
 
     panel.py -> extract.py    operators: read, search, write
-                  reading.py  an action as a roundelay.Motion    rig.py
+                  capture.py  which armatures, which frames
+                  reading.py  an action as a roundelay.Motion    rig.py  bones.py
                   loops.py    the library's options and results
                   writing.py  a loop as an action                compat.py
 """

@@ -9,8 +9,8 @@ import bpy
 
 from roundelay import Cycle, Motion, RoundelayError, SkeletonMismatch, blend
 
+from .capture import armatures_of
 from .compat import Armature, Context, State
-from .extract import armatures_of
 from .loops import cycle_of_loop, loop_of
 from .reading import read
 from .rig import Rig, rig_of

@@ -3,11 +3,9 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
 from functools import partial
-from math import ceil, degrees, floor
+from math import degrees
 from typing import Any
 
 import bpy
@@ -19,7 +17,6 @@ from roundelay import (
     Options,
     Quality,
     RoundelayError,
-    SkeletonMismatch,
     find_cycles,
     segment,
 )
@@ -29,94 +26,14 @@ from roundelay.quality import quality
 
 from . import plots
 from .bones import left_out
+from .capture import Capture, armatures_of, has_armature, read_capture
 from .compat import Armature, Context
 from .jobs import LongOperator, Progress, Steps, threaded
-from .loops import Chosen, cycles_by_hand, loop_of, options_of
-from .reading import Reading, read
-from .rig import Rig, rig_of
-from .writing import PLACE, SOURCE, add_strip, captured, show, write_loop
+from .loops import cycles_by_hand, loop_of, options_of
+from .writing import PLACE, SOURCE, add_strip, show, write_loop
 
-_RANGE = re.compile(r"\b(\d+)-(\d+)\b")
-
-
-@dataclass
-class Capture:
-    """An armature's action as read for the search: every step-th frame from the first on."""
-
-    rig: Rig
-    action: bpy.types.Action
-    first: int
-    step: int
-    reading: Reading
-    chosen: Chosen = field(default_factory=tuple)
-
-    @property
-    def motion(self) -> Motion:
-        """The bones' motion."""
-        return self.reading.motion
-
-    def in_scene(self, text: str) -> str:
-        """Give a text's ranges of frames, 57-893, as frames of the scene."""
-        return _RANGE.sub(
-            lambda ends: "-".join(str(self.first + int(end) * self.step) for end in ends.groups()),
-            text,
-        )
-
-
-def armatures_of(context: Context) -> list[Armature]:
-    """Return the armatures to work on: in Pose Mode those in it, else the selected ones."""
-    if context.mode == "POSE":
-        return [o for o in context.objects_in_mode if o.type == "ARMATURE"]
-    selected = [o for o in context.selected_objects if o.type == "ARMATURE"]
-    active = context.active_object
-    return selected or ([active] if active is not None and active.type == "ARMATURE" else [])
-
-
-def read_capture(context: Context, armature: Armature, settings: Any) -> Steps[Capture]:
-    """Read what an armature does in the chosen frames; a loop gives way to its capture."""
-    data = armature.animation_data
-    if data is None or data.action is None:
-        raise SkeletonMismatch(f"{armature.name} has no action")
-    action = captured(data.action)
-    if action != data.action:
-        show(armature, action)
-    chosen = None
-    if context.mode == "POSE":
-        chosen = {bone.name for bone in context.selected_pose_bones if bone.id_data == armature}
-    rig, frames = rig_of(armature, chosen), _frames(action, settings)
-    reading = read(rig, context.scene, frames)
-    while True:
-        try:
-            yield next(reading), f"reading {armature.name}"
-        except StopIteration as end:
-            thin = end.value.subsampled(settings.subsample)
-            chosen_classes = _chosen(settings, armature)
-            return Capture(rig, action, frames.start, settings.subsample, thin, chosen_classes)
-
-
-def _frames(action: bpy.types.Action, settings: Any) -> range:
-    """Return the action's frames as far as they are asked for."""
-    start, last = ceil(action.frame_range[0]), floor(action.frame_range[1])
-    if settings.use_frames:
-        start = max(start, settings.first_frame)
-        last = min(last, start + settings.frame_count - 1)
-    if last <= start:
-        raise SkeletonMismatch(f"{action.name} has no frames in the chosen range")
-    return range(start, last + 1)
-
-
-def _chosen(settings: Any, armature: Armature) -> Chosen:
-    return [
-        (c.motion, c.index) for c in settings.classes if c.chosen and c.armature == armature.name
-    ]
-
-
-def has_armature(operator: Any, context: Context) -> bool:
-    """Tell whether an operator has an armature and no other work in progress."""
-    if not armatures_of(context):
-        operator.poll_message_set("Select an armature")
-        return False
-    return not operator.busy
+# How many ranges of frames are listed.
+_SHOWN = 3
 
 
 class ROUNDELAY_OT_extract(LongOperator, bpy.types.Operator):
@@ -207,10 +124,14 @@ def _report(
 ) -> None:
     item = settings.loops.add()
     item.action, item.period, item.turning = action, cycle.period, degrees(cycle.turning)
-    runs = ", ".join(f"{start}-{stop}" for start, stop in cycle.evidence.runs)
-    item.frames = capture.in_scene(f"frames {runs}")
+    item.frames = capture.in_scene(f"Frames {_listed(cycle.evidence.runs)}")
     item.repetitions, item.confidence = figures.repetitions, cycle.evidence.confidence
     item.seam, item.step = figures.seam_rotation, figures.step_rotation
+
+
+def _listed(runs: Sequence[tuple[int, int]]) -> str:
+    shown = ", ".join(f"{start}-{stop}" for start, stop in runs[:_SHOWN])
+    return shown if len(runs) <= _SHOWN else f"{shown} and {len(runs) - _SHOWN} more"
 
 
 class ROUNDELAY_OT_inspect(LongOperator, bpy.types.Operator):

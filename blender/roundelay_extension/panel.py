@@ -33,6 +33,15 @@ class _Folded(_Panel):
         return self.layout.column()
 
 
+def _draw_lines(layout: Any, context: Context, text: str, icon: str = "NONE") -> None:
+    """Draw a text over as many lines as the sidebar's width asks for."""
+    column = layout.column(align=True)
+    width = context.region.width / (_LETTER * context.preferences.system.ui_scale)
+    for line in textwrap.wrap(text, max(int(width), _NARROW)):
+        column.label(text=line, icon=icon)
+        icon = "BLANK1" if icon != "NONE" else icon
+
+
 class ROUNDELAY_PT_main(_Panel, bpy.types.Panel):
     """The button and what came of it."""
 
@@ -49,32 +58,25 @@ class ROUNDELAY_PT_main(_Panel, bpy.types.Panel):
         if settings.progress > 0.0:
             layout.progress(factor=settings.progress, text=settings.message)
         else:
-            self._draw_lines(context, settings.message)
+            _draw_lines(layout, context, settings.message)
         for note in settings.notes.splitlines():
-            self._draw_lines(context, note, icon="INFO")
+            _draw_lines(layout, context, note, icon="INFO")
         for item in settings.loops:
             if item.action is not None:
                 self._draw_loop(context, item)
         layout.operator("roundelay.toggle", text=self._toggle_text(context), icon="UV_SYNC_SELECT")
-
-    def _draw_lines(self, context: Context, text: str, icon: str = "NONE") -> None:
-        """Draw a text over as many lines as the sidebar's width asks for."""
-        column = self.layout.column(align=True)
-        width = context.region.width / (_LETTER * context.preferences.system.ui_scale)
-        for line in textwrap.wrap(text, max(int(width), _NARROW)):
-            column.label(text=line, icon=icon)
-            icon = "BLANK1" if icon != "NONE" else icon
 
     def _draw_loop(self, context: Context, item: Any) -> None:
         column = self.layout.box().column(align=True)
         column.operator("roundelay.show", text=item.action.name).action = item.action.name
         length = item.action.frame_end - item.action.frame_start
         column.label(text=f"{length:.0f} frames, {item.period:.2f} s")
-        column.label(text=f"{item.repetitions:.1f} times in {item.frames}")
-        column.label(text=f"{item.confidence:.0%} sure")
+        column.label(text=f"{item.repetitions:.1f} times seen, {item.confidence:.0%} sure")
+        _draw_lines(column, context, item.frames)
         column.label(text=f"Seam {item.seam:.1f}\u00b0, steps up to {item.step:.1f}\u00b0")
         if abs(item.turning) >= _TURNS:
-            column.label(text=f"Turned {abs(item.turning):.0f}\u00b0 a period, now straight on")
+            turned = f"Turned {abs(item.turning):.0f}\u00b0 a period; heads straight on now"
+            _draw_lines(column, context, turned)
 
     def _toggle_text(self, context: Context) -> str:
         armature = context.active_object

@@ -7,8 +7,8 @@ from typing import Any
 
 import bpy
 
+from .capture import armatures_of
 from .compat import Context, State
-from .extract import armatures_of
 from .writing import SOURCE, captured, show
 
 

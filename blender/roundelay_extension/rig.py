@@ -173,12 +173,16 @@ def rig_of(armature: Armature, chosen: Collection[str] | None = None) -> Rig:
     moving = _moving(armature, chosen)
     root = which.main_root(moving) if chosen is None else which.common_root(moving)
     travels = which.travels(armature, root)
-    carried = which.moves(armature) and (chosen is None or root in moving)
-    if not travels and root.parent is not None:
-        # What carries the armature carries all that hangs on it.
-        root = root.parent_recursive[-1] if carried else root.parent
+    # What carries the armature carries all that hangs on it.
+    top = root if travels or root.parent is None else root.parent_recursive[-1]
+    carried = which.moves(armature) and (chosen is None or top.name in chosen)
+    if carried:
+        root = top
+    elif not travels and root.parent is not None:
+        root = root.parent
     bones = (root, *which.below(root))
-    keyed = np.array([chosen is None or bone in moving for bone in bones])
+    moved = [*moving, root] if carried else moving
+    keyed = np.array([chosen is None or bone in moved for bone in bones])
     scaled = not which.scaled_bones(armature).isdisjoint(bone.name for bone in bones)
     shown = chosen is None and any(bone.children for bone in moving if bone is not root)
     tips = [] if shown else [bone for bone in bones if bone in moving and not bone.children]

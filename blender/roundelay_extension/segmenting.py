@@ -13,8 +13,8 @@ from roundelay.behaviours import with_periods
 from roundelay.segmentation import Segment
 
 from . import compat
+from .capture import Capture, armatures_of, has_armature, read_capture
 from .compat import Context, State
-from .extract import Capture, armatures_of, has_armature, read_capture
 from .jobs import LongOperator, Progress, Steps, threaded
 
 

@@ -68,14 +68,14 @@ class Settings(bpy.types.PropertyGroup):
         name="Count", description="Use at most this many frames", default=500, min=8
     )
     subsample: IntProperty(
-        name="Subsampling",
+        name="Frame Step",
         description="Use every so many-th frame; 1 for all",
         default=1,
         min=1,
         max=100,
     )
     most: IntProperty(
-        name="Loops at Most",
+        name="Max Loops",
         description="Number of loops, one action each, the surest first; 0 for all",
         default=0,
         min=0,
@@ -122,13 +122,13 @@ class Settings(bpy.types.PropertyGroup):
         name="Prime", description="Cohomology has coefficients modulo this prime", default=47, min=2
     )
     harmonics: IntProperty(
-        name="Joint Harmonics",
+        name="Harmonics",
         description="Harmonics of the joints' rotations; 0 for automatic",
         min=0,
         max=500,
     )
     travel_harmonics: IntProperty(
-        name="Travel Harmonics",
+        name="Of the Root",
         description="Harmonics of the root's travel; 0 for as many as the joints have",
         min=0,
         max=500,

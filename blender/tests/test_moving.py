@@ -87,6 +87,21 @@ def still_body(armature):
             curve.update()
 
 
+@pytest.mark.parametrize("taken", ["root", "limb.R"])
+def test_the_object_moves_what_is_selected(taken):
+    """Its motion is in the loop if the bone that takes it is selected, too."""
+    armature = pendulum()
+    on_a_circle(armature)
+    still_body(armature)
+    bpy.ops.object.mode_set(mode="POSE")
+    choose(armature, {"limb.L", "limb.R", taken})
+    extract()
+    keyed = {path.split('"')[1] for path, _ in curves_of(armature)}
+    assert keyed == {"limb.L", "limb.R", taken}
+    walked = {path for path, _ in curves_of(armature) if path.endswith("location")}
+    assert walked == ({'pose.bones["root"].location'} if taken == "root" else set())
+
+
 @pytest.mark.parametrize("root", ["body", "root"])
 def test_a_circle_becomes_a_straight_line(root):
     armature = pendulum()
@@ -118,6 +133,28 @@ def test_a_circle_becomes_a_straight_line(root):
         assert np.linalg.norm(periods[0]) == pytest.approx(arc, rel=0.05)
     steps = np.linalg.norm(np.diff(poses[:, :, :3, 3], axis=0), axis=-1).max(axis=1)
     assert steps.max() < 1.5 * np.median(steps)
+
+
+def test_whole_turns_stay():
+    """What spins once a period goes on spinning, evenly over the seam."""
+    armature = pendulum()
+    still_body(armature)
+    for frame in (FRAMES[0], FRAMES[-1]):
+        armature.rotation_euler.z = 2 * np.pi * (frame - 1) / PERIOD
+        armature.keyframe_insert("rotation_euler", frame=frame)
+    for curve in curves_of(armature).values():
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+    start, end = span(extract())
+    assert end - start == pytest.approx(PERIOD, abs=1)
+    axes = np.array(
+        [in_world(armature, frame)[2, :2, 0] for frame in range(start, 2 * end - start)]
+    )
+    steps = np.diff(np.unwrap(np.arctan2(axes[:, 1], axes[:, 0])))
+    assert steps[: end - start].sum() == pytest.approx(2 * np.pi, abs=1e-3)
+    assert np.allclose(steps[end - start :], steps[: start - end], atol=1e-4)
+    assert np.ptp(steps) < 0.1 * steps.mean()
+    assert bpy.context.scene.roundelay.loops[0].turning == pytest.approx(0.0, abs=1.0)
 
 
 def test_a_shown_loop_stands_where_the_capture_began():

@@ -93,6 +93,8 @@ def test_a_joint_that_is_not_free_does_not_turn(touching):
     assert found.turns[:, 1].any()
     assert met_after(touching, found.turns) == {}
     assert separate(replace(touching, freedom=0.0 * freedom), {}).met == {}
+    none = replace(touching, joints=touching.joints[:0], freedom=freedom[:, :0])
+    assert separate(none, {}).met == {}
 
 
 @settings(max_examples=60, deadline=None)
@@ -104,5 +106,5 @@ def test_the_least_push_meets_the_conditions_of_karush_kuhn_and_tucker(count, se
     x = _non_negative(gram, target, 1e-9)
     slope = target - gram @ x
     assert np.all(x >= 0.0)
-    assert np.all(slope <= 1e-4)
-    assert np.all(np.abs(slope[x > 0.0]) < 1e-4 * (1.0 + np.abs(target).max()))
+    assert np.all(slope <= 1e-8)
+    assert np.all(np.abs(slope[x > 0.0]) < 1e-8)

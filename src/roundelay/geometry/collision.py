@@ -26,6 +26,8 @@ Segments = tuple[Array, Array]
 _SLENDER, _THICKEST = 0.12, 0.02
 # Bones with fewer than so many joints between them are neighbours.
 _NEIGHBOURS = 2
+# Frames looked at in one go.
+_BLOCK = 256
 # A bone counts from this share of the body size on: no finger does.
 _SHORTEST = 0.04
 
@@ -115,6 +117,19 @@ class Capsules:
             Positions of the joints.
         margin : float
         """
+        # By blocks: all pairs of a long capture at once would not fit in memory.
+        blocks = [
+            self._near(places[start : start + _BLOCK], margin, start)
+            for start in range(0, len(places), _BLOCK)
+        ]
+        pair, frame, first, second, depth = map(np.concatenate, zip(*blocks, strict=True))
+        order = np.lexsort((frame, pair))
+        return Near(pair[order], frame[order], first[order], second[order], depth[order])
+
+    def _near(
+        self, places: Array, margin: float, start: int
+    ) -> tuple[Indices, Indices, Array, Array, Array]:
+        """Return the fields of `Near` for some frames, counted from `start`."""
         joints = np.moveaxis(places, 1, 0)
         (a, c), (b, d) = joints[self.upper.T], joints[self.lower.T]
         # Spheres about the bones first: most pairs are far apart.
@@ -125,7 +140,7 @@ class Capsules:
         first, second = nearest_points((a[at], b[at]), (c[at], d[at]))
         depth = self.reach[pair] - np.linalg.norm(first - second, axis=-1)
         close = depth > -margin
-        return Near(pair[close], frame[close], first[close], second[close], depth[close])
+        return pair[close], start + frame[close], first[close], second[close], depth[close]
 
 
 def collisions(

@@ -45,8 +45,8 @@ CLEARANCE = 0.002
 _WATCHED = 0.01
 # A shorter lever, in body sizes, opens no gap.
 _LEVER = 0.02
-# Linearisations.
-_ROUNDS = 8
+# Linearisations, and gaps in each: those that lack most.
+_ROUNDS, _MOST = 8, 500
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,8 +159,8 @@ def separate(body: Body, limits: Mapping[Pair, float]) -> Separation:
     while left:
         turns = _least_turns(body, capsules, aims)
         excess = (_depths(body, capsules, turns) - aims).max(axis=1)
-        angles = 2.0 * np.arctan(np.linalg.norm(turns, axis=-1)).max(axis=0)
-        if angles.max() <= _LARGEST and excess.max() <= clearance:
+        angles = _angles(turns)
+        if angles.max(initial=0.0) <= _LARGEST and excess.max() <= clearance:
             return Separation(
                 turns,
                 {names[pair]: before[pair] > limit[pair] for pair in left},
@@ -203,10 +203,19 @@ def _least_turns(body: Body, capsules: Capsules, aims: Array) -> Array:
         lever = lever * (body.freedom[frame] * scale)[..., None]
         bumps = body.kernel(frame)
         gram = np.einsum("cjx,djx->cd", lever, lever) * bumps[frame]
+        # Neighbouring frames ask for nearly the same.
+        gram += 1e-6 * np.diag(gram).mean() * np.eye(len(gram))
         push = _non_negative(gram, wanted, 0.1 * clearance)
         turns = np.einsum("fc,c,cjx->fjx", bumps, push, lever, optimize=True)
         turns *= (body.freedom * scale)[..., None]
+        if _angles(turns).max(initial=0.0) > 1.5 * _LARGEST:
+            break
     return turns
+
+
+def _angles(turns: Array) -> Array:
+    """Return the largest angle (k,) by which each joint turns."""
+    return np.asarray(2.0 * np.arctan(np.linalg.norm(turns, axis=-1)).max(axis=0))
 
 
 def _gaps(
@@ -239,14 +248,14 @@ def _gaps(
     lever = sign[..., None] * rot.rotate(rot.conjugate(above), arm)
     wanted = lack + np.einsum("cjx,cjx->c", lever, turns[frame])
     free = np.linalg.norm(lever * body.freedom[frame][..., None], axis=(1, 2))
-    use = (lack > -_WATCHED * size) & (free > _LEVER * size)
+    use = np.flatnonzero((lack > -_WATCHED * size) & (free > _LEVER * size))
+    use = use[np.argsort(-lack[use], kind="stable")[:_MOST]]
     return frame[use], lever[use], wanted[use], lack[use]
 
 
 def _non_negative(gram: Array, target: Array, tolerance: float) -> Array:
     """Minimise x.Gx / 2 - x.t over x >= 0 by active sets (Lawson & Hanson 1974, ch. 23)."""
     count = len(target)
-    gram = gram + 1e-6 * np.trace(gram) / count * np.eye(count)
     x, free = np.zeros(count), np.zeros(count, bool)
     for _ in range(3 * count):
         slope = np.where(free, -np.inf, target - gram @ x)

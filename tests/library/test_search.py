@@ -25,9 +25,12 @@ def test_distances_at_once_are_those_of_pairs(captured):
     by_pairs = rl.distance_matrix(captured, rl.cycle_distance)
     spectra = Spectra.of(captured)
     at_once = least_distances(spectra, spectra)
-    # Harmonics left out and 32-bit numbers; the distances that are not 0 are about 0.1.
-    assert np.abs(at_once - by_pairs).max() < 3e-4
-    assert by_pairs[0, 1] > 0.05
+    apart = by_pairs > 0.05
+    assert apart.sum() == 8
+    assert np.abs(at_once - by_pairs)[apart].max() < 1e-4
+    # Pairs are compared on a grid of offsets, on which 0.37 is not: equal cycles seem .001 apart.
+    assert by_pairs[~apart].max() < 2e-3
+    assert at_once[~apart].max() < 1e-3
 
 
 def test_joints_may_come_in_another_order():

@@ -10,6 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from roundelay.errors import FormatError
 from roundelay.library.captures import find_captures
 from roundelay.library.catalogue import CATALOGUE, SIGNATURES, Library
 from roundelay.library.clips import Clip, LoopOptions, lost_clip, made_entry
@@ -85,12 +86,25 @@ def build_library(
     folder.mkdir(parents=True, exist_ok=True)
     log = Log(folder)
     todo = [clip for clip in clips if again or not _is_done(clip, log)]
+    current = None if todo else _current(folder, list(captures), unread)
+    if current is not None:
+        return current
     log.drop(clip.name for clip in todo)
     try:
         _do(todo, log, jobs or os.cpu_count() or 1, progress, tell)
     finally:
-        _write([clip.name for clip in clips], log, unread, folder)
+        _write(list(captures), log, unread, folder)
     return Library.open(folder)
+
+
+def _current(folder: Path, names: Sequence[str], unread: Sequence[str]) -> Library | None:
+    """Return the library as it is, if it is of these clips."""
+    try:
+        library = Library.open(folder)
+    except FormatError:
+        return None
+    same = [clip["file"] for clip in library.clips] == names and library.record["unread"] == unread
+    return library if same else None
 
 
 def _is_done(clip: Clip, log: Log) -> bool:

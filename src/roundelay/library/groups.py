@@ -20,6 +20,8 @@ __all__ = ["group_records", "grouped", "labelled"]
 _ALIKE = 0.05
 # Between cycles that cannot be compared, in body sizes.
 _FAR = 1e6
+# Cycles compared with all others at once.
+_ROWS = 256
 
 
 def grouped(shelves: Sequence[Shelf]) -> tuple[list[int], list[int]]:
@@ -43,14 +45,17 @@ def grouped(shelves: Sequence[Shelf]) -> tuple[list[int], list[int]]:
 
 
 def _distances(shelves: Sequence[Shelf]) -> NDArray[np.float32]:
-    """Distances (n, n) of all cycles of a library."""
+    """Distances (n, n) of all cycles of a library, each pair compared once."""
     count = sum(len(shelf.numbers) for shelf in shelves)
     result = np.empty((count, count), np.float32)
     for number, one in enumerate(shelves):
-        for other in shelves[: number + 1]:
-            block = np.minimum(least_distances(one.spectra, other.spectra), _FAR)
-            result[np.ix_(one.numbers, other.numbers)] = block
-            result[np.ix_(other.numbers, one.numbers)] = block.T
+        for start in range(0, len(one.numbers), _ROWS):
+            rows = slice(start, start + _ROWS)
+            for other, first in [(one, start), *((shelf, 0) for shelf in shelves[:number])]:
+                block = least_distances(one.spectra[rows], other.spectra[first:])
+                place = np.ix_(one.numbers[rows], other.numbers[first:])
+                result[place] = np.minimum(block, _FAR)
+                result.T[place] = result[place]
     return result
 
 

@@ -24,9 +24,11 @@ __all__ = ["Body", "Spectra", "least_distances"]
 
 # What is left out has an RMS of some 0.0005 body sizes in captured cycles, and enters squared.
 _HARMONICS = 8
-# Offsets that are tried: those of `roundelay.cycles.alignment`.
-_OFFSETS = 128
-# Pairs of cycles compared at once: 64 MB.
+# Phases at which a cycle is taken for its harmonics.
+_GRID = 128
+# Offsets that are tried before a parabola finds the best: four for a wave of the last harmonic.
+_OFFSETS = 32
+# Pairs of cycles compared at once: 16 MB.
 _PAIRS = 1 << 17
 
 
@@ -151,8 +153,8 @@ class Spectra:
 
 def _harmonics(cycle: Cycle) -> NDArray[np.complex128]:
     """Mean and harmonics (1 + H, J, 3) of the positions of all joints but the root."""
-    points = point_cloud(cycle.at(np.arange(_OFFSETS) / _OFFSETS, frame_time=1.0))
-    spectrum = np.fft.rfft(points, axis=0)[: _HARMONICS + 1] / _OFFSETS
+    points = point_cloud(cycle.at(np.arange(_GRID) / _GRID, frame_time=1.0))
+    spectrum = np.fft.rfft(points, axis=0)[: _HARMONICS + 1] / _GRID
     return cast("NDArray[np.complex128]", spectrum.reshape(_HARMONICS + 1, -1, 3))
 
 
@@ -174,29 +176,46 @@ def least_distances(first: Spectra, second: Spectra) -> NDArray[np.float32]:
     if not joints:
         return result
     ours, theirs = first.by(joints), second.by(joints)
-    rows = max(1, _PAIRS // len(second))
-    for start in range(0, len(first), rows):
-        block = ours[start : start + rows]
-        squares = np.minimum(_squares(block, theirs), _squares(block.mirrored(), theirs))
-        # The root counts as a joint.
-        result[start : start + rows] = np.sqrt(np.maximum(squares, 0.0) / (1 + len(joints)))
-    return result
+    squares = np.minimum(_squares(ours, theirs), _squares(ours.mirrored(), theirs))
+    # The root counts as a joint.
+    return np.sqrt(np.maximum(squares, 0.0) / np.float32(1 + len(joints)))
 
 
 def _squares(first: Spectra, second: Spectra) -> NDArray[np.float32]:
     """Mean over phases of the squared distances (m, n), by Parseval's theorem."""
-    apart = np.sum((first.means[:, None] - second.means) ** 2, axis=(2, 3))
-    power, other = (2.0 * np.sum(np.abs(s.waves) ** 2, axis=(1, 2, 3)) for s in (first, second))
-    return apart + power[:, None] + other - 2.0 * _likeness(first.waves, second.waves)
+    power, other = _power(first), _power(second)
+    means, others = (s.means.reshape(len(s), -1).astype(float) for s in (first, second))
+    waves = first.waves.reshape(*first.waves.shape[:2], -1).swapaxes(0, 1).conj()
+    columns = second.waves.reshape(*second.waves.shape[:2], -1).transpose(1, 2, 0)
+    result = np.empty((len(first), len(second)), np.float32)
+    rows = max(1, _PAIRS // len(second))
+    for start in range(0, len(first), rows):
+        block = slice(start, start + rows)
+        products = means[block] @ others.T + _best_products(waves[:, block], columns)
+        result[block] = power[block, None] + other - 2.0 * products
+    return result
 
 
-def _likeness(first: NDArray[np.complex64], second: NDArray[np.complex64]) -> NDArray[np.float32]:
-    """Largest mean product (m, n) of two curves without their means over all offsets."""
-    shape = first.shape[1], -1
-    a = np.moveaxis(first.reshape(len(first), *shape), 1, 0)
-    b = np.moveaxis(second.reshape(len(second), *shape), 1, 0)
-    cross = np.matmul(np.conj(a), b.swapaxes(1, 2)).reshape(len(a), -1)
-    angles = 2 * np.pi * np.outer(np.arange(_OFFSETS) / _OFFSETS, np.arange(1, len(a) + 1))
-    turning = np.hstack([np.cos(angles), -np.sin(angles)]).astype(np.float32)
-    products = turning @ np.vstack([cross.real, cross.imag])
-    return 2.0 * products.max(axis=0).reshape(len(first), len(second))
+def _power(spectra: Spectra) -> NDArray[np.float64]:
+    """Mean over phases of the squared lengths (n,)."""
+    waves = np.sum(np.abs(spectra.waves) ** 2, axis=(1, 2, 3), dtype=float)
+    return np.asarray(np.sum(spectra.means**2, axis=(1, 2), dtype=float) + 2.0 * waves)
+
+
+def _best_products(
+    rows: NDArray[np.complex64], columns: NDArray[np.complex64]
+) -> NDArray[np.float32]:
+    """Largest mean products (m, n), over all offsets, of curves (H, m, d) and (H, d, n)."""
+    cross = np.matmul(rows, columns).reshape(len(rows), -1)
+    angles = 2 * np.pi * np.outer(np.arange(_OFFSETS) / _OFFSETS, np.arange(1, len(rows) + 1))
+    turning = 2.0 * np.hstack([np.cos(angles), -np.sin(angles)]).astype(np.float32)
+    highest = _highest(turning @ np.vstack([cross.real, cross.imag]))
+    return highest.reshape(rows.shape[1], -1)
+
+
+def _highest(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the maxima (n,) of closed curves (offsets, n), by parabolas through three values."""
+    best, columns = values.argmax(axis=0), np.arange(values.shape[1])
+    before, here, after = (values[(best + step) % len(values), columns] for step in (-1, 0, 1))
+    bend = np.minimum(before - 2.0 * here + after, -1e-30)
+    return here - (before - after) ** 2 / (8.0 * bend)

@@ -14,7 +14,7 @@ from roundelay import SkeletonMismatch
 from . import compat
 from .compat import Armature, State
 
-# Importers key what does not change, with the noise of single precision.
+# Importers key what does not change, with the noise of single precision: less is no change.
 _LEAST = 1e-4
 _ROTATING = ("rotation_euler", "rotation_quaternion", "rotation_axis_angle")
 _PLACING = ("location", *_ROTATING, "delta_location", *(f"delta_{name}" for name in _ROTATING[:2]))
@@ -23,15 +23,18 @@ _PLACING = ("location", *_ROTATING, "delta_location", *(f"delta_{name}" for name
 def animated_bones(armature: Armature) -> State:
     """Name the bones that curves or constraints move."""
     moving = {bone.name for bone in armature.pose.bones if any(c.enabled for c in bone.constraints)}
-    return moving.union(name for name, _, _ in _bone_curves(armature))
+    for name, _, curve in _bone_curves(armature):
+        if name not in moving and _span(curve) > 0.0:
+            moving.add(name)
+    return moving
 
 
 def scaled_bones(armature: Armature) -> State:
     """Name the bones whose scale changes."""
     return {
         name
-        for name, channel, span in _bone_curves(armature)
-        if channel == "scale" and span > _LEAST
+        for name, channel, curve in _bone_curves(armature)
+        if channel == "scale" and _span(curve) > _LEAST
     }
 
 
@@ -40,7 +43,8 @@ def travels(armature: Armature, bone: Any) -> bool:
     if any(constraint.enabled for constraint in bone.constraints):
         return True
     return any(
-        name == bone.name and channel == "location" for name, channel, _ in _bone_curves(armature)
+        name == bone.name and channel == "location" and _span(curve) > 0.0
+        for name, channel, curve in _bone_curves(armature)
     )
 
 
@@ -101,14 +105,12 @@ def left_out(armature: Armature, taken: Collection[str]) -> Iterator[str]:
         yield f"scale of {armature.name} itself is not in the loop"
 
 
-def _bone_curves(armature: Armature) -> Iterator[tuple[str, str, float]]:
-    """Yield a bone's name, its property and by how much it changes, for each that does."""
+def _bone_curves(armature: Armature) -> Iterator[tuple[str, str, Any]]:
+    """Yield the curves of bones, each with its bone's name and its property."""
     for curve in compat.fcurves(armature.animation_data):
         parts = curve.data_path.split('"')
         if len(parts) == 3 and parts[0] == "pose.bones[":
-            span = _span(curve)
-            if span > 0.0:
-                yield bpy.utils.unescape_identifier(parts[1]), parts[2][2:], span
+            yield bpy.utils.unescape_identifier(parts[1]), parts[2][2:], curve
 
 
 def _span(curve: Any) -> float:

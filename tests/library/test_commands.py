@@ -31,6 +31,14 @@ def test_a_library_of_a_folder(clips, tmp_path):
     assert json.loads(again.stdout)["summary"]["loops"] == 2
 
 
+def test_its_loops_are_those_of_loop(captures, tmp_path):
+    capture, options = captures / "01_03.bvh", ["--fps", 30, "--in-place"]
+    run("library", capture, "-o", tmp_path / "library", "--jobs", 1, *options)
+    run("loop", capture, "-o", tmp_path, "--no-picture", *options)
+    made = tmp_path / "library" / "loops" / "01_03.bvh" / "01_03_loop.bvh"
+    assert made.read_bytes() == (tmp_path / "01_03_loop.bvh").read_bytes()
+
+
 def test_an_interrupted_run_keeps_what_is_done(clips, tmp_path, monkeypatch):
     done = []
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from roundelay.commands.common import BAD_INPUT, NO_PERIOD, Json, one_line_errors, print_json
+from roundelay.commands.limbs import Repair
 from roundelay.commands.loop import Format, Fps, InPlace, RepeatFirst
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def library(
     fps: Fps = None,
     in_place: InPlace = False,
     repeat_first: RepeatFirst = False,
+    repair: Repair = True,
     file_format: Format = "bvh",
     again: Again = False,
     json: Json = False,
@@ -63,7 +65,7 @@ def library(
 
     with one_line_errors():
         started = time.monotonic()
-        options = LoopOptions(fps, in_place, repeat_first, file_format)
+        options = LoopOptions(fps, in_place, repeat_first, repair, file_format)
         try:
             with _bar(quiet=json) as progress:
                 made = build_library(

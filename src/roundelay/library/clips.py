@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.repair import repaired
 from roundelay.errors import FormatError, NoPeriod, RoundelayError, RoundelayWarning, TooShort
 from roundelay.formats import read, write
 from roundelay.formats.asf import find_skeleton
@@ -44,6 +45,8 @@ class LoopOptions:
         Leave out the root's travel and turning.
     repeat_first : bool
         Append the frame that repeats the first.
+    repair : bool
+        Part limbs that pass through each other more than they do in the capture.
     file_format : {"bvh", "amc", "glb", "gltf"}
 
     Raises
@@ -55,6 +58,7 @@ class LoopOptions:
     fps: float | None = None
     in_place: bool = False
     repeat_first: bool = False
+    repair: bool = True
     file_format: str = "bvh"
 
     def __post_init__(self) -> None:
@@ -188,8 +192,11 @@ def _segments(motion: Motion) -> list[dict[str, Any]]:
 
 def _written(clip: Clip, motion: Motion, cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
     """Write the loops and describe the cycles."""
-    options, records = clip.options, []
-    for number, cycle in enumerate(cycles, 1):
+    options, records, whole = clip.options, [], motion.with_root_motion()
+    for number, found in enumerate(cycles, 1):
+        runs = found.evidence.runs if found.evidence else ()
+        sources = [whole[start:stop] for start, stop in runs]
+        cycle, mended = repaired(found, sources) if options.repair else (found, ())
         loop = cycle.sample(
             options.fps, in_place=options.in_place, repeat_first=options.repeat_first
         )
@@ -197,10 +204,12 @@ def _written(clip: Clip, motion: Motion, cycles: Sequence[Cycle]) -> list[dict[s
         path = clip.loops / f"{clip.path.stem}_loop{ending}.{options.file_format}"
         path.parent.mkdir(parents=True, exist_ok=True)
         write(loop, path)
-        records.append(
-            _described(cycle, motion)
-            | {"loop": path.relative_to(clip.folder).as_posix(), "loop_frames": len(loop)}
-        )
+        file = {
+            "loop": path.relative_to(clip.folder).as_posix(),
+            "loop_frames": len(loop),
+            "mended": [list(one.bones) for one in mended],
+        }
+        records.append(_described(cycle, motion) | file)
     return records
 
 

@@ -1,17 +1,28 @@
-"""Walks and runs of [C] told apart by the signatures of `roundelay.signature`.
+"""Walks and runs of [C] told apart by `roundelay.signature`; a library made and searched.
 
 Usage: python -m benchmarks.signatures --data FOLDER [--json]
 
 For each distance: how many of the captures have a nearest other one of their own kind, the same
 where captures of the same person do not count, and how many are in a group of their own kind
 when clustered into two groups.
+
+Of the library of all captures below the folder: clips, loops and seconds with one process and with
+two; seconds to open and search it, to do so with one enlarged to 10,000 cycles, and to group that
+one. Kinds are the descriptions of the CMU database: of the cycles of clips that show one kind, how
+many have a nearest other clip of it, also where clips of the same person do not count, and in which
+groups they are.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 import json
+import os
+import tempfile
 import time
+from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +30,10 @@ import numpy as np
 
 import roundelay as rl
 from benchmarks.raunio import RUNS, TABLES, find_capture
+from roundelay.library.catalogue import CATALOGUE, SIGNATURES
+from roundelay.library.groups import grouped
+from roundelay.library.spectra import Spectra, least_distances
+from roundelay.library.store import Shelf, write_shelves
 from roundelay.signature import (
     bottleneck_distance,
     cluster,
@@ -26,6 +41,10 @@ from roundelay.signature import (
     distance_matrix,
     wasserstein_distance,
 )
+
+# Words of the descriptions, and the kinds they speak of.
+KINDS = {"walk": "walk", "run": "run", "boxing": "boxing"}
+ENLARGED = 10_000
 
 
 def main() -> None:
@@ -45,6 +64,7 @@ def main() -> None:
         apart = distance_matrix(items, distance)
         spent = time.process_time() - started
         result[label] = _figures(names, apart) | {"cpu_seconds": round(spent, 2)}
+    result["library"] = _library(arguments.data, cycles[0])
     print(json.dumps(result, indent=1) if arguments.json else result)
 
 
@@ -69,6 +89,93 @@ def _figures(names: list[str], apart: np.ndarray) -> dict[str, int]:
         "nearest_of_another_person": int((runs[others.argmin(axis=1)] == runs).sum()),
         "clustered": max(right, len(names) - right),
     }
+
+
+def _library(data: Path, query: rl.Cycle) -> dict[str, Any]:
+    """Make the library with one process and two, enlarge it, search both."""
+    result: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for jobs in (1, 2):
+            started, spent = time.perf_counter(), sum(os.times()[:4])
+            library = rl.build_library(data, folder / str(jobs), jobs=jobs)
+            result[f"jobs_{jobs}"] = {
+                "wall_seconds": round(time.perf_counter() - started, 1),
+                "cpu_seconds": round(sum(os.times()[:4]) - spent, 1),
+            }
+        large = _enlarged(library, folder / "large")
+        result |= library.summary | {"search": _searched(library.folder, query)}
+        result["search_enlarged"] = _searched(large.folder, query)
+        started = time.perf_counter()
+        grouped(large.shelves)
+        result["group_enlarged_seconds"] = round(time.perf_counter() - started, 1)
+    return result | {"kinds": _kinds(library, _descriptions(data))}
+
+
+def _enlarged(library: rl.Library, folder: Path) -> rl.Library:
+    """Write a library that holds the cycles again and again, each a little changed."""
+    times = -(-ENLARGED // library.summary["loops"])
+    rng, shelves = np.random.default_rng(0), []
+    for shelf in library.shelves:
+        many = Spectra.joined([shelf.spectra] * times)
+        noise = 1.0 + 0.05 * rng.standard_normal(many.waves.shape, np.float32)
+        numbers = np.arange(times)[:, None] * library.summary["loops"] + shelf.numbers
+        shelves.append(Shelf(numbers.ravel(), replace(many, waves=many.waves * noise)))
+    folder.mkdir()
+    record = library.record | {"clips": library.clips * times}
+    (folder / CATALOGUE).write_text(json.dumps(record))
+    write_shelves(shelves, record["written"], folder / SIGNATURES)
+    return rl.Library.open(folder)
+
+
+def _searched(folder: Path, query: rl.Cycle) -> dict[str, float]:
+    started = time.perf_counter()
+    library = rl.Library.open(folder)
+    opened = time.perf_counter()
+    library.search(query)
+    searched = time.perf_counter()
+    return {
+        "cycles": len(library.cycles),
+        "open_seconds": round(opened - started, 4),
+        "search_seconds": round(searched - opened, 4),
+    }
+
+
+def _descriptions(data: Path) -> dict[str, str]:
+    """The kind of each trial of CMU that shows one, by its description."""
+    with (data / "cmu" / "scarlet_motion_labels.csv").open(newline="") as file:
+        rows = [(row["motion_id"], row["long_label"].lower()) for row in csv.DictReader(file)]
+    found = {trial: {kind for word, kind in KINDS.items() if word in text} for trial, text in rows}
+    return {trial: kinds.pop() for trial, kinds in found.items() if len(kinds) == 1}
+
+
+def _kinds(library: rl.Library, kinds: dict[str, str]) -> dict[str, Any]:
+    cycles, apart = library.cycles, _apart(library)
+    trials = np.array([Path(file).stem for file, _ in cycles])
+    people = np.array([trial.partition("_")[0] for trial in trials])
+    kind = np.array([kinds.get(trial, "") for trial in trials])
+    result = {}
+    for name in sorted(set(KINDS.values())):
+        own = np.flatnonzero(kind == name)
+        near = np.where(trials[own, None] == trials, np.inf, apart[own]).argmin(axis=1)
+        far = np.where(people[own, None] == people, np.inf, apart[own]).argmin(axis=1)
+        result[name] = {
+            "cycles": len(own),
+            "nearest_of_its_kind": int((kind[near] == name).sum()),
+            "nearest_of_another_person": int((kind[far] == name).sum()),
+            "groups": dict(Counter(cycles[row][1]["group"] for row in own).most_common()),
+        }
+    return result
+
+
+def _apart(library: rl.Library) -> np.ndarray:
+    count = len(library.cycles)
+    result = np.full((count, count), np.inf)
+    for one in library.shelves:
+        for other in library.shelves:
+            distances = least_distances(one.spectra, other.spectra)
+            result[np.ix_(one.numbers, other.numbers)] = distances
+    return result
 
 
 if __name__ == "__main__":

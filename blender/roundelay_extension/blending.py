@@ -11,7 +11,7 @@ from roundelay import Cycle, Motion, RoundelayError, SkeletonMismatch, blend
 
 from .capture import armatures_of
 from .compat import Armature, Context, State
-from .loops import cycle_of_loop, loop_of
+from .loops import cycle_of_loop, loop_of, parted
 from .reading import read
 from .rig import Rig, rig_of
 from .writing import SOURCE, show, write_loop
@@ -54,10 +54,12 @@ def _blended(context: Context, armature: Armature, weight: float) -> bpy.types.A
     before = armature.animation_data.action
     loops = settings.blend_first, settings.blend_second
     try:
-        (rig, first, capture), (_, second, _) = [_read(scene, armature, loop) for loop in loops]
+        (rig, first, capture), (_, second, other) = [_read(scene, armature, a) for a in loops]
     finally:
         show(armature, before)
-    cycle = blend([first, second], [1.0 - weight, weight])
+    cycle, settings.notes = blend([first, second], [1.0 - weight, weight]), ""
+    if settings.part_limbs:
+        cycle, settings.notes = parted(cycle, [capture, other])
     loop = loop_of(cycle, capture, settings, scene.render.fps / scene.render.fps_base)
     name = f"Blend {loops[0].name} {loops[1].name}"
     action = write_loop(rig, loop, name, start=int(loops[0].frame_start))

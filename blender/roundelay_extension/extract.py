@@ -29,7 +29,7 @@ from .bones import left_out
 from .capture import Capture, armatures_of, has_armature, read_capture
 from .compat import Armature, Context
 from .jobs import LongOperator, Progress, Steps, threaded
-from .loops import cycles_by_hand, loop_of, options_of
+from .loops import cycles_by_hand, loop_of, options_of, parted
 from .writing import PLACE, SOURCE, add_strip, show, write_loop
 
 # How many ranges of frames are listed.
@@ -77,10 +77,12 @@ def _extract(context: Context, armature: Armature, settings: Any, whose: str) ->
     render = context.scene.render
     fps = render.fps / render.fps_base
     try:
-        found = yield from threaded(partial(_search, capture, options, settings.per_behaviour))
+        search = partial(_search, capture, options, settings.per_behaviour, settings.part_limbs)
+        found = yield from threaded(search)
     except NoPeriod as refusal:
         raise NoPeriod(capture.in_scene(str(refusal))) from refusal
-    for number, (cycle, figures) in enumerate(found, 1):
+    for number, (cycle, figures, note) in enumerate(found, 1):
+        settings.notes += note
         loop = loop_of(cycle, capture.motion, settings, fps)
         action = _write(capture, loop, number, settings)
         _report(settings, capture, action, cycle, figures)
@@ -90,9 +92,9 @@ def _extract(context: Context, armature: Armature, settings: Any, whose: str) ->
 
 
 def _search(
-    capture: Capture, options: Options, per_behaviour: bool, progress: Progress
-) -> list[tuple[Cycle, Quality]]:
-    """Find cycles and their figures; touches no Blender data."""
+    capture: Capture, options: Options, per_behaviour: bool, part_limbs: bool, progress: Progress
+) -> list[tuple[Cycle, Quality, str]]:
+    """Find cycles, their figures and a note on each; touches no Blender data."""
     motion = capture.motion
     if capture.chosen:
         cycles = cycles_by_hand(motion, options, capture.chosen)
@@ -100,7 +102,10 @@ def _search(
         cycles = cycles_in_segments(segment(motion), motion, options, progress=progress)
     else:
         cycles = find_cycles(motion, options, progress=progress)
-    return [(cycle, quality(cycle, motion)) for cycle in cycles]
+    made = [(cycle, "") for cycle in cycles]
+    if part_limbs:
+        made = [parted(cycle, capture.parts(cycle)) for cycle in cycles]
+    return [(cycle, quality(cycle, motion), note) for cycle, note in made]
 
 
 def _write(capture: Capture, loop: Motion, number: int, settings: Any) -> bpy.types.Action:

@@ -14,6 +14,7 @@ from roundelay.cycles.centroid import centroid_cycle
 from roundelay.cycles.fitting import fit_cycle
 from roundelay.cycles.harmonic import HarmonicCurve
 from roundelay.cycles.paper_cycle import paper_cycle
+from roundelay.cycles.repair import repaired
 from roundelay.cycles.tempo import time_phase
 from roundelay.inspection import inspect
 from roundelay.poses import point_cloud
@@ -74,6 +75,16 @@ def _fitted(motion: Motion, evidence: Evidence, options: Options) -> Cycle:
         follow = {"velocity": options.velocity, "acceleration": options.acceleration}
         return paper_cycle(cycle, motion, harmonics=count, **follow)
     return cycle
+
+
+def parted(cycle: Cycle, sources: Sequence[Motion]) -> tuple[Cycle, str]:
+    """Move limbs apart that meet more than in what a cycle is made from, and say which."""
+    cycle, mended = repaired(cycle, [source.with_root_motion() for source in sources])
+    lines = [
+        f"{' and '.join(one.bones)} moved apart by up to {np.degrees(one.angle):.0f}\u00b0\n"
+        for one in mended
+    ]
+    return cycle, "".join(lines)
 
 
 def loop_of(cycle: Cycle, capture: Motion, settings: Any, fps: float) -> Motion:

@@ -115,7 +115,15 @@ class ROUNDELAY_PT_loop(_Folded, bpy.types.Panel):
             axes = column.column(align=True)
             for name in ("travel_x", "travel_y", "travel_z"):
                 axes.prop(settings, name)
-        for name in ("foot_lock", "mirror", "start_phase", "key_step", "most", "use_strip"):
+        for name in (
+            "foot_lock",
+            "part_limbs",
+            "mirror",
+            "start_phase",
+            "key_step",
+            "most",
+            "use_strip",
+        ):
             column.prop(settings, name)
         inner = column.column()
         inner.active = settings.use_strip

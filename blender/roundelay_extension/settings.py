@@ -86,6 +86,11 @@ class Settings(bpy.types.PropertyGroup):
     foot_lock: BoolProperty(
         name="Hold Feet", description="Keep standing feet where they stand", default=True
     )
+    part_limbs: BoolProperty(
+        name="Part Limbs",
+        description="Move limbs apart that pass through each other more than in the capture",
+        default=True,
+    )
     travel: EnumProperty(
         name="Root", description="How the root moves over the periods of a loop", items=_MODELS
     )

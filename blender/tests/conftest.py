@@ -51,6 +51,8 @@ def import_capture(name="01_01", mode="NATIVE"):
     armature.data = original.data.copy()
     armature.animation_data.action = original.animation_data.action.copy()
     armature.name = armature.animation_data.action.name = name
+    render = bpy.context.scene.render
+    render.fps, render.fps_base = int(original["rate"][0]), original["rate"][1]
     bpy.context.scene.collection.objects.link(armature)
     for other in bpy.context.selected_objects:
         other.select_set(False)
@@ -80,7 +82,8 @@ def imported(name, mode):
     bpy.ops.import_anim.bvh(
         filepath=str(CAPTURES / f"{name}.bvh"), rotate_mode=mode, update_scene_fps=True
     )
-    original = bpy.context.view_layer.objects.active
+    original, render = bpy.context.view_layer.objects.active, bpy.context.scene.render
+    original["rate"] = (float(render.fps), render.fps_base)
     for block in (original, original.data, original.animation_data.action):
         block.name = f"Original {name} {mode}"
         block.use_fake_user = True

@@ -167,6 +167,25 @@ def test_a_loop_for_each_behaviour(jumps):
     assert len(bpy.context.scene.roundelay.loops) >= 1
 
 
+@pytest.mark.parametrize("wanted", [True, False])
+def test_limbs_are_parted_if_wanted(jumps, monkeypatch, wanted):
+    """The library is asked, with the frames that show the cycle, and what it did is told."""
+    asked = []
+
+    def repaired(cycle, sources):
+        asked.append([len(source) for source in sources])
+        return cycle, (types.SimpleNamespace(bones=("LeftHand", "Hips"), angle=0.1),)
+
+    monkeypatch.setattr(sys.modules[f"{MODULE}.loops"], "repaired", repaired)
+    settings = bpy.context.scene.roundelay
+    settings.part_limbs = wanted
+    extract()
+    (cycle,) = roundelay.find_cycles(roundelay.read(CAPTURES / "01_01.bvh"))
+    assert asked == ([[stop - start for start, stop in cycle.evidence.runs]] if wanted else [])
+    told = "LeftHand and Hips moved apart by up to 6\u00b0\n"
+    assert settings.notes == (told if wanted else "")
+
+
 def test_blend_lies_between(jumps):
     settings = bpy.context.scene.roundelay
     settings.use_frames, settings.first_frame, settings.frame_count = True, 57, 836

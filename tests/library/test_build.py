@@ -153,10 +153,23 @@ def test_a_line_cut_short_costs_its_clip_only(clips, tmp_path):
     assert changed == ["loops/ben/take.bvh/take_loop.bvh"]
 
 
-def test_a_library_within_its_source_is_not_read(clips):
-    for _ in range(2):
-        library = rl.build_library(clips, clips / "library", jobs=1)
+@pytest.mark.parametrize("place", [".", "library"])
+def test_loops_within_the_source_are_not_read(clips, place):
+    for again in (False, True):
+        library = rl.build_library(clips, clips / place, jobs=1, again=again)
         assert library.summary["clips"] == 2
+
+
+def test_names_that_are_no_text(clips, tmp_path):
+    odd = os.fsdecode(b"caf\xe9.bvh")
+    try:
+        (clips / "ben").rename(clips / odd.removesuffix(".bvh"))
+        (clips / "anna" / "take.bvh").rename(clips / odd)
+    except OSError:
+        pytest.skip("this file system has text for names only")
+    library = rl.build_library(clips, tmp_path / "library", jobs=1)
+    assert {file for file, _ in library.cycles} == {odd, f"{odd[:-4]}/take.bvh"}
+    assert b"caf\xe9.bvh" in (library.folder / "cycles.csv").read_bytes()
 
 
 def test_faults_of_the_program_do_not_end_the_work(clips, tmp_path, monkeypatch):

@@ -13,7 +13,7 @@ from typing import Any
 from roundelay.errors import FormatError
 from roundelay.library.captures import find_captures
 from roundelay.library.catalogue import CATALOGUE, SIGNATURES, Library
-from roundelay.library.clips import Clip, LoopOptions, lost_clip, made_entry
+from roundelay.library.clips import LOOPS, Clip, LoopOptions, lost_clip, made_entry
 from roundelay.library.groups import group_records, grouped, labelled
 from roundelay.library.store import Log, shelved, write_shelves, write_table
 from roundelay.library.workers import spread
@@ -48,7 +48,7 @@ def build_library(
     sources : path-like or sequence of path-like
         Folders, searched to any depth for BVH and AMC files, and such files.
     folder : path-like
-        Where the library is or shall be; not searched itself.
+        Where the library is or shall be; its loops are not searched.
     options : LoopOptions, optional
         How loops are written.
     jobs : int, optional
@@ -77,7 +77,8 @@ def build_library(
         raise ValueError(f"expected at least one job, found {jobs}")
     folder, options = Path(folder).absolute(), options or LoopOptions()
     given = [sources] if isinstance(sources, str | PathLike) else sources
-    captures, faults = find_captures([Path(source).absolute() for source in given], folder)
+    places = [Path(source).absolute() for source in given]
+    captures, faults = find_captures(places, besides=folder / LOOPS)
     unread = [f"{fault.filename}: {fault.strerror}" for fault in faults]
     tell = refused or (lambda line: None)
     for line in unread:

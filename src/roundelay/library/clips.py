@@ -26,8 +26,10 @@ from roundelay.records import cycle_record
 from roundelay.segmentation import segment
 from roundelay.version import __version__
 
-__all__ = ["Clip", "LoopOptions", "lost_clip", "made_entry"]
+__all__ = ["LOOPS", "Clip", "LoopOptions", "lost_clip", "made_entry"]
 
+# The folder of a library that holds the loops.
+LOOPS = "loops"
 _FORMATS = ("bvh", "amc", "glb", "gltf")
 # What only the record of `roundelay loop` tells of a cycle: too long for thousands.
 _LEFT_OUT = ("barcode", "turns", "files")
@@ -91,7 +93,7 @@ class Clip:
     @property
     def loops(self) -> Path:
         """The folder of its loops, and of nothing else."""
-        return self.folder / "loops" / self.name
+        return self.folder / LOOPS / self.name
 
     @property
     def size(self) -> int:

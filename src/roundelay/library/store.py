@@ -182,7 +182,11 @@ def read_shelves(path: Path, written: str) -> list[Shelf]:
 
 def write_table(clips: Sequence[dict[str, Any]], path: Path) -> None:
     """Write one row a cycle as CSV with a heading; frames half-open."""
-    with written_beside(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+    with (
+        written_beside(path) as part,
+        # Names of files may hold bytes that are no text.
+        part.open("w", encoding="utf-8", errors="surrogateescape", newline="") as file,
+    ):
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["file", "frames", *_COLUMNS, "template_error", "seam_rotation"])
         for clip in clips:

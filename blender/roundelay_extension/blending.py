@@ -32,7 +32,10 @@ class ROUNDELAY_OT_blend(bpy.types.Operator):
     def poll(cls, context: Context) -> bool:
         """Work needs an armature and two loops."""
         settings = context.scene.roundelay
-        return bool(settings.blend_first and settings.blend_second and armatures_of(context))
+        if not (settings.blend_first and settings.blend_second):
+            cls.poll_message_set("Choose two loops")
+            return False
+        return bool(armatures_of(context))
 
     def execute(self, context: Context) -> State:
         """Read both, blend and write."""

@@ -102,6 +102,7 @@ def _search(
         cycles = cycles_in_segments(segment(motion), motion, options, progress=progress)
     else:
         cycles = find_cycles(motion, options, progress=progress)
+    progress(1.0, "measuring loops")
     made = [(cycle, "") for cycle in cycles]
     if part_limbs:
         made = [parted(cycle, capture.parts(cycle)) for cycle in cycles]

@@ -37,6 +37,16 @@ def test_every_choice_finds_the_stride(walk, options):
     assert cycle.period == pytest.approx(1.1, rel=0.02)
 
 
+def test_a_loop_played_over_and_over_is_periodic(walk):
+    """At a steady beat, landmarks would show three of its 24 frames only."""
+    loop = rl.find_cycles(walk)[0].sample(24 / 1.1, in_place=True)
+    assert len(loop) == 24
+    played = rl.concatenate([loop] * 166)
+    cycle = rl.find_cycles(played)[0]
+    assert cycle.period * played.fps == pytest.approx(24.0, rel=1e-3)
+    assert cycle.evidence.net == pytest.approx(166.0, abs=0.2)
+
+
 @pytest.mark.parametrize("weights", ["none", "length", "mass"])
 @pytest.mark.parametrize("features", ["positions", "heading", "quaternions", "angles"])
 def test_every_feature_and_weight_finds_the_stride(walk, features, weights):

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import roundelay as rl
 from roundelay import synth
+from roundelay.periodicity import disagreement
+from roundelay.pipeline import find_periodic
+from roundelay.poses import point_cloud
 
 
 def test_ten_jumps_are_one_motion_in_three_parts(jump_cycles):
@@ -46,6 +51,25 @@ def test_wandering_has_no_cycle():
     for seed in range(4):
         with pytest.raises(rl.NoPeriod):
             rl.find_cycles(synth.wander(8.0, seed=seed).motion)
+
+
+def test_poses_that_do_not_come_back_disagree():
+    walk = synth.gait("walk", repetitions=3.0, noise=0.005, fps=60)
+    (evidence,) = find_periodic(walk.motion)
+    points, rng = point_cloud(walk.motion), np.random.default_rng(0)
+    assert disagreement(points, evidence) < 0.3
+    shuffled = [disagreement(rng.permutation(points), evidence) for _ in range(20)]
+    assert np.mean(shuffled) == pytest.approx(1.0, abs=0.05)
+
+
+def test_what_two_runs_show_once_each_is_compared_between_them():
+    turns = np.concatenate([np.linspace(0.3, 1.4, 100), np.linspace(0.35, 1.42, 100)])
+    circle = np.column_stack([np.cos(2 * np.pi * turns), np.sin(2 * np.pi * turns)])
+    walk = synth.gait("walk", repetitions=3.0, fps=60).motion
+    evidence = replace(find_periodic(walk)[0], runs=((0, 100), (100, 200)), turns=turns)
+    assert disagreement(circle, evidence) < 0.25
+    opposite = np.concatenate([circle[:100], -circle[100:]])
+    assert disagreement(opposite, evidence) > 1.0
 
 
 @pytest.mark.parametrize("gestures", [None, True])

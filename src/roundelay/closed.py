@@ -58,7 +58,8 @@ def closed_capture(
     gap = float(np.linalg.norm(poses[-1] - poses[0]))
     usual = max(1.5 * float(np.median(steps)), float(np.percentile(steps, 95)))
     if gap > usual * (_CHOSEN_STEPS if chosen else 1.0):
-        raise NoPeriod(f"its last pose is {gap / usual:.1f} steps from its first: no closed period")
+        apart = f"{gap / usual:.1f} steps" if usual > 0.0 else "far"
+        raise NoPeriod(f"its last pose is {apart} from its first: no closed period")
     width = float(np.linalg.norm(poses - poses[0], axis=1).max())
     if width < _WIDER * gap:
         raise NoPeriod(f"it stays within {width / gap:.1f} times the gap between its ends")

@@ -17,6 +17,7 @@ from roundelay.coordinate import CircularCoordinate
 from roundelay.poses import principal_components, with_velocity
 from roundelay.timing import Run
 from roundelay.topology.distances import delay_distances
+from roundelay.topology.landmarks import choose_landmarks
 from roundelay.topology.rips import Barcode, persistent_cohomology
 
 __all__ = ["PoseCloud", "PoseMetric", "TopologyOptions", "make_cloud", "variance_normalised"]
@@ -25,8 +26,10 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 PoseMetric = Literal["euclidean", "variance", "adjacent"]
 
-# More points than this are thinned to landmarks; exact topology of them takes about 20 ms.
-_LANDMARKS = 500
+# More points than this are thinned to landmarks, chosen from a pool of at most so many; exact
+# topology of them takes about 20 ms.
+_LANDMARKS, _POOL = 500, 2000
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
 @dataclass(frozen=True)
@@ -78,8 +81,8 @@ class PoseCloud:
         The runs as ranges of `frames`.
     data : (m, d) or (m, L) ndarray
         Points, or distances to the landmarks.
-    stride : int
-        Every stride-th frame is a landmark: a point of the barcode.
+    landmarks : (L,) ndarray of int
+        The places in `frames` of the points of the barcode.
     barcode : Barcode
         Of the landmarks.
     """
@@ -88,17 +91,18 @@ class PoseCloud:
     frames: Indices
     local: list[Run]
     data: Array
-    stride: int
+    landmarks: Indices
     barcode: Barcode
 
     @property
     def landmark_runs(self) -> list[Run]:
         """The runs as ranges of landmarks."""
-        return [(-(-a // self.stride), -(-b // self.stride)) for a, b in self.local]
+        return _runs_of(self.landmarks, self.local)
 
     def extended(self, coordinate: CircularCoordinate) -> Array:
         """Return the phase (m,) of all frames from that of the landmarks."""
-        return coordinate.phase if self.stride == 1 else coordinate.evaluate(self.data)
+        every = len(self.landmarks) == len(self.frames)
+        return coordinate.phase if every else coordinate.evaluate(self.data)
 
 
 def make_cloud(
@@ -142,9 +146,31 @@ def make_cloud(
     cloud = with_velocity(poses, local, weighing)
     if options.metric == "adjacent":
         return _from_distances(_distances(cloud), runs, frames, local, options)
-    stride = -(-len(cloud) // _LANDMARKS)
-    barcode = persistent_cohomology(cloud[::stride], prime=options.prime)
-    return PoseCloud(tuple(runs), frames, local, cloud, stride, barcode)
+    landmarks = _landmarks(cloud, "euclidean")
+    barcode = persistent_cohomology(cloud[landmarks], prime=options.prime)
+    return PoseCloud(tuple(runs), frames, local, cloud, landmarks, barcode)
+
+
+def _landmarks(data: NDArray[np.floating], metric: Literal["euclidean", "precomputed"]) -> Indices:
+    """Choose landmarks among points: those far from each other, that no quick move be missed.
+
+    They are chosen from a pool with one of each few neighbours, at no steady beat: at one, motion
+    that repeats exactly would show the same few phases again and again.
+    """
+    count = len(data)
+    if count <= _LANDMARKS:
+        return np.arange(count)
+    stride = -(-count // _POOL)
+    starts = np.arange(0, count, stride)
+    inside = (np.arange(len(starts)) * _GOLDEN % 1.0 * stride).astype(np.intp)
+    pool = np.minimum(starts + inside, count - 1)
+    near = data[pool] if metric == "euclidean" else data[np.ix_(pool, pool)]
+    return pool[choose_landmarks(near, count=_LANDMARKS, method="greedy", metric=metric).indices]
+
+
+def _runs_of(landmarks: Indices, local: list[Run]) -> list[Run]:
+    bounds = np.searchsorted(landmarks, local).tolist()
+    return [(start, stop) for start, stop in bounds]
 
 
 def _scaled(poses: Array, options: TopologyOptions) -> Array:
@@ -183,15 +209,15 @@ def _from_distances(
     local: list[Run],
     options: TopologyOptions,
 ) -> PoseCloud:
-    stride = -(-len(distances) // _LANDMARKS)
-    near = np.array(distances[::stride, ::stride], float)
+    landmarks = _landmarks(distances, "precomputed")
+    near = np.array(distances[np.ix_(landmarks, landmarks)], float)
     if options.metric == "adjacent":
-        for a, b in local:
-            after = np.arange(-(-a // stride) + 1, -(-b // stride))
+        for a, b in _runs_of(landmarks, local):
+            after = np.arange(a + 1, b)
             near[after - 1, after] = near[after, after - 1] = 0.0
     barcode = persistent_cohomology(near, metric="precomputed", prime=options.prime)
-    data = np.asarray(distances[:, ::stride], float)
-    return PoseCloud(tuple(runs), frames, local, data, stride, barcode)
+    data = np.asarray(distances[:, landmarks], float)
+    return PoseCloud(tuple(runs), frames, local, data, landmarks, barcode)
 
 
 def _distances(points: Array) -> Array:

@@ -10,13 +10,17 @@ from numpy.typing import NDArray
 from roundelay.cloud import TopologyOptions
 from roundelay.detection import Part, candidate_parts, recurring_groups
 from roundelay.errors import LiftError, NoPeriod, TooShort
-from roundelay.periodicity import Evidence, measure, without_pauses
+from roundelay.periodicity import Evidence, disagreement, measure, without_pauses
 from roundelay.progress import Progress, report
 from roundelay.timing import Run
 
 __all__ = ["judged", "no_period", "periodic_parts"]
 
 Array = NDArray[np.float64]
+
+# Mean distance of poses a turn apart over that of any two, from which a motion is none that
+# repeats: those that do lie below .72, in all captures looked at.
+_APART = 0.85
 
 
 def periodic_parts(
@@ -113,6 +117,8 @@ def judged(
     except (LiftError, TooShort) as error:
         raise NoPeriod(str(error)) from error
     objection = evidence.objection(searched, chosen=by_hand)
+    if objection is None and not by_hand and disagreement(points, evidence) >= _APART:
+        objection = "its poses are hardly nearer to those a turn later than any two are"
     if objection is not None:
         listed = ", ".join(f"{start}-{stop}" for start, stop in evidence.runs)
         raise NoPeriod(f"frames {listed}: {objection}", evidence)

@@ -19,13 +19,17 @@ from roundelay.errors import NoPeriod, TooShort
 from roundelay.timing import Run, phase_map, return_period, unwrap
 from roundelay.topology.rips import Barcode
 
-__all__ = ["Evidence", "follow", "measure", "without_pauses"]
+__all__ = ["Evidence", "disagreement", "follow", "measure", "without_pauses"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 # Shares of a turn over which pauses are looked for.
 _CELLS = 8
+# Turns between frames that are taken for the same phase.
+_SAME_PHASE = 0.25
+# Frames whose distances from each other are taken for those of any two.
+_SAMPLE = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +122,9 @@ class Evidence:
         if chosen:
             return None
         # One turn and a bit could be chance: the less is seen twice, the more its loop must
-        # stand out.
-        needed = max(1.5, 1.0 + 0.5 / (self.net - 1.0))
+        # stand out. Many turns one after the other are none, whatever else there is: three in
+        # four sure is enough.
+        needed = max(1.0 + 0.5 / (self.net - 1.0), min(1.5, 4.0 ** (1.0 / self.net)))
         if self.prominence < needed:
             return f"its longest bar is {self.prominence:.2f} times the next, not {needed:.2f}"
         return None
@@ -185,6 +190,49 @@ def follow(
     except TooShort as error:
         raise NoPeriod(str(error), cloud.barcode) from None
     return Evidence(cloud.runs, spread, period, cloud.barcode, coordinate, net, total, cloud=cloud)
+
+
+def disagreement(points: Array, evidence: Evidence) -> float:
+    """Return how far poses are from those a turn later, over how far any two are apart.
+
+    Parameters
+    ----------
+    points : (F, d) ndarray
+        One pose a frame.
+    evidence : Evidence
+
+    Returns
+    -------
+    float
+        Of mean distances: 0 where a motion repeats exactly, about 1 where nothing does; NaN if
+        nothing is seen twice.
+    """
+    turns = _one_after_the_other([evidence.turns[slice(*run)] for run in evidence.runs])
+    shown = np.concatenate([points[slice(*run)] for run in evidence.runs])
+    later = np.zeros(len(turns), np.intp)
+    # The next time a phase is passed may be in a later run, more than one turn on.
+    for whole in range(1 + len(evidence.runs), 0, -1):
+        place = np.minimum(np.searchsorted(turns, turns + whole), len(turns) - 1)
+        there = np.abs(turns[place] - turns - whole) < _SAME_PHASE
+        later[there] = place[there]
+    first = np.flatnonzero(later)
+    if len(first) == 0:
+        return float("nan")
+    apart = np.linalg.norm(shown[later[first]] - shown[first], axis=1)
+    some = shown[np.linspace(0, len(shown) - 1, _SAMPLE).astype(np.intp)]
+    any_two = np.linalg.norm(some[:, None] - some, axis=2)[np.triu_indices(_SAMPLE, 1)]
+    return float(np.mean(apart) / np.mean(any_two))
+
+
+def _one_after_the_other(parts: Sequence[Array]) -> Array:
+    """Join the turns of runs, each begun whole turns later than the one before ended."""
+    joined, end = [], -np.inf
+    for part in parts:
+        rising = np.maximum.accumulate(part)
+        rising = rising + np.ceil(max(end - rising[0], 0.0))
+        joined.append(rising)
+        end = rising[-1]
+    return np.concatenate(joined)
 
 
 def _interpolated(frames: Indices, known: Indices, values: Array) -> Array:

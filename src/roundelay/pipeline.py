@@ -45,6 +45,8 @@ Weights = Literal["none", "length", "mass"]
 
 # A longer capture that ends as it began is a take, not a loop, in seconds.
 _LONGEST_CLOSED = 10.0
+# Body sizes below which nothing moves, but for rounding.
+_STILL = 1e-9
 # What recurs with something else between, unasked for, is no chance from so many times on.
 _OFTEN = 3
 # Where arms alone decide, their loop must stand out this much from the next.
@@ -189,7 +191,7 @@ def _searched(
     """
     points = _points(motion, options)
     span = _frames(motion, points, options.frames)
-    if not np.ptp(points[slice(*span)], axis=0).any():
+    if np.ptp(points[slice(*span)], axis=0).max() < _STILL:
         raise NoPeriod("no periodic motion found: nothing moves")
     if options.gestures:
         return _gestures(points, motion.fps, span, options, fewest=1), points

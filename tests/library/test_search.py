@@ -58,6 +58,20 @@ def synth_cycle(kind: str, order: list[int] | None = None) -> rl.Cycle:
     return rl.find_cycles(motion)[0]
 
 
+def test_some_joints_are_enough():
+    """The names of half a body's joints; sides of one skeleton can be told, of the other not."""
+    cycle = synth_cycle("walk")
+    names = tuple("Bone" + name if "Hand" in name else name for name in cycle.skeleton.names)
+    odd = tuple("Left" if name == "RightForeArm" else name for name in names)
+    for others in (names, odd):
+        other = Spectra.of([replace(cycle, skeleton=replace(cycle.skeleton, names=others))])
+        assert least_distances(Spectra.of([cycle]), other)[0, 0] < 2e-4
+        assert least_distances(other, Spectra.of([cycle]))[0, 0] < 2e-4
+    few = tuple(f"{name}_" if number > 8 else name for number, name in enumerate(names))
+    other = Spectra.of([replace(cycle, skeleton=replace(cycle.skeleton, names=few))])
+    assert least_distances(Spectra.of([cycle]), other)[0, 0] == np.inf
+
+
 def test_sides_that_cannot_be_told_are_not_exchanged():
     cycle = synth_cycle("punch")
     names = tuple(f"joint{number}" for number in range(cycle.skeleton.n_joints))

@@ -14,7 +14,7 @@ from roundelay.signature import cluster
 
 __all__ = ["group_records", "grouped", "labelled"]
 
-# Mean distance, in body sizes, up to which cycles are one motion. Captured walks of eight people,
+# Mean distance, in body sizes, up to which cycles are one motion. Captured walks of six people,
 # fast and slow, are joined below .047, runs of five people below .044; the walks and runs of CMU
 # would be joined at .06 and .074.
 _ALIKE = 0.05

@@ -132,11 +132,12 @@ class Spectra:
         return Spectra(self.body, self.means[rows], self.waves[rows], self.reflections[rows])
 
     def by(self, joints: Sequence[str]) -> Spectra:
-        """Return the signatures by some of the joints, both sides of each."""
+        """Return the signatures by some of the joints."""
         if tuple(joints) == self.body.joints:
             return self
         rows = [self.body.joints.index(joint) for joint in joints]
-        partners = tuple(rows.index(self.body.partners[row]) for row in rows)
+        place = {row: number for number, row in enumerate(rows)}
+        partners = tuple(place.get(self.body.partners[row], place[row]) for row in rows)
         means, waves = self.means[:, rows], self.waves[:, :, rows]
         return Spectra(Body(tuple(joints), partners), means, waves, self.reflections)
 

@@ -84,35 +84,42 @@ class Rig:
             The armature relative to its first frame, where that is carried.
         frame_time : float
         """
-        count = len(self.bones)
         rotations = rot.multiply(rot.multiply(self.rest, channels.rotations), self._back)
         rotations[:, ~self.keyed] = (1.0, 0.0, 0.0, 0.0)
         moved = rot.rotate(self.rest, channels.locations)
         moved[:, ~self.keyed] = 0.0
         path = self.skeleton.offsets[0] + moved[:, 0]
         if placed is not None:
-            carried = np.linalg.inv(self.base) @ placed @ self.base
-            turns = carried[:, :3, :3]
-            turn = rot.from_matrix(turns / np.linalg.norm(turns, axis=-2, keepdims=True))
+            turn, path = self._carried(placed, path)
             rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
-            path = np.einsum("fij,fj->fi", carried[:, :3, :3], path) + carried[:, :3, 3]
-        translations = None
-        scales = channels.scales
-        if scales is not None or np.abs(moved[:, 1:]).max(initial=0.0) > 1e-5 * self.skeleton.size:
-            translations = np.tile(self.skeleton.offsets, (len(path), 1, 1))
-            translations[:, :count] += moved
-            if scales is not None:
-                translations[:, -count:] *= scales
-        added = rot.identity(len(path), self.skeleton.n_joints - count)
+        added = rot.identity(len(path), self.skeleton.n_joints - len(self.bones))
         return Motion(
             skeleton=self.skeleton,
             rotations=np.concatenate([rotations, added], axis=1),
             root_path=path,
             frame_time=frame_time,
-            translations=translations,
+            translations=self._translations(moved, channels.scales),
             name=self.armature.animation_data.action.name,
             up=self.up,
         )
+
+    def _carried(self, placed: Array, path: Array) -> tuple[Array, Array]:
+        """Return by what the armature turns the root (F, 4), and where it takes it (F, 3)."""
+        moves = np.linalg.inv(self.base) @ placed @ self.base
+        linear = moves[:, :3, :3]
+        turns = rot.from_matrix(linear / np.linalg.norm(linear, axis=-2, keepdims=True))
+        return turns, np.einsum("fij,fj->fi", linear, path) + moves[:, :3, 3]
+
+    def _translations(self, moved: Array, scales: Array | None) -> Array | None:
+        """Return where joints are on their parents (F, joints, 3), if any but the root moves."""
+        count = len(self.bones)
+        if scales is None and np.abs(moved[:, 1:]).max(initial=0.0) <= 1e-5 * self.skeleton.size:
+            return None
+        translations = np.tile(self.skeleton.offsets, (len(moved), 1, 1))
+        translations[:, :count] += moved
+        if scales is not None:
+            translations[:, -count:] *= scales
+        return translations
 
     def channels(self, motion: Motion) -> Channels:
         """Return what to key for a motion: the inverse of `motion`, the armature standing."""
@@ -141,12 +148,13 @@ class Rig:
         Raises
         ------
         SkeletonMismatch
-            Naming a bone that lacks.
+            Naming a bone that is missing.
         """
         names = [bone.name for bone, keyed in zip(self.bones, self.keyed, strict=True) if keyed]
         flat = Skeleton(("-", *names), (-1, *[0] * len(names)), np.zeros((len(names) + 1, 3)))
         try:
             partners(flat)
+            partners(self.skeleton)
         except SkeletonMismatch as fault:
             raise SkeletonMismatch(f"mirroring needs both sides: {fault}") from None
 

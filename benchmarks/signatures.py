@@ -142,11 +142,15 @@ def _searched(folder: Path, query: rl.Cycle) -> dict[str, float]:
 
 
 def _descriptions(data: Path) -> dict[str, str]:
-    """The kind of each trial of CMU that shows one, by its description."""
+    """The kind of each trial of CMU that shows one, by its description, else its category."""
+    result = {}
     with (data / "cmu" / "scarlet_motion_labels.csv").open(newline="") as file:
-        rows = [(row["motion_id"], row["long_label"].lower()) for row in csv.DictReader(file)]
-    found = {trial: {kind for word, kind in KINDS.items() if word in text} for trial, text in rows}
-    return {trial: kinds.pop() for trial, kinds in found.items() if len(kinds) == 1}
+        for row in csv.DictReader(file):
+            for text in (row["short_label"].lower(), row["long_label"].lower()):
+                kinds = {kind for word, kind in KINDS.items() if word in text}
+                if len(kinds) == 1:
+                    result[row["motion_id"]] = kinds.pop()
+    return result
 
 
 def _kinds(library: rl.Library, kinds: dict[str, str]) -> dict[str, Any]:

@@ -11,8 +11,10 @@ import bpy
 from .compat import Context
 from .preview import counterpart
 
-# Pixels of a letter, about; letters of the narrowest line; degrees worth a word.
-_LETTER, _NARROW, _TURNS = 7.0, 24, 5.0
+# Pixels of a letter, about; letters of the narrowest line and of an icon.
+_LETTER, _NARROW, _ICON = 7.0, 20, 5
+# Degrees a period that are worth a line.
+_TURNS = 5.0
 
 
 class _Panel:
@@ -37,6 +39,7 @@ def _draw_lines(layout: Any, context: Context, text: str, icon: str = "NONE") ->
     """Draw a text over as many lines as the sidebar's width asks for."""
     column = layout.column(align=True)
     width = context.region.width / (_LETTER * context.preferences.system.ui_scale)
+    width -= _ICON if icon != "NONE" else 0
     for line in textwrap.wrap(text, max(int(width), _NARROW)):
         column.label(text=line, icon=icon)
         icon = "BLANK1" if icon != "NONE" else icon

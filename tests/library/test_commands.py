@@ -52,8 +52,9 @@ def test_an_interrupted_run_keeps_what_is_done(clips, tmp_path, monkeypatch):
         patch.setattr("roundelay.library.clips.find_cycles", interrupted)
         result = run("library", clips, "-o", tmp_path, "--jobs", 1)
     assert result.exit_code == 130
-    assert result.stderr == "roundelay: interrupted; clips left for another run: 1\n"
-    assert rl.Library.open(tmp_path).summary["loops"] == 1
+    assert result.stderr == "roundelay: interrupted; run it again to go on\n"
+    counts = rl.Library.open(tmp_path).summary
+    assert (counts["loops"], counts["waiting"]) == (1, 1)
     assert run("library", clips, "-o", tmp_path, "--jobs", 1).exit_code == 0
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from roundelay.commands.common import BAD_INPUT, NO_PERIOD, Json, one_line_errors, print_json
+from roundelay.commands.common import BAD_INPUT, NO_PERIOD, Json, fail, one_line_errors, print_json
 from roundelay.commands.limbs import Repair
 from roundelay.commands.loop import Format, Fps, InPlace, RepeatFirst
 
@@ -61,7 +61,7 @@ def library(
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found; 130:
     interrupted.
     """
-    from roundelay.library import Library, LoopOptions, build_library
+    from roundelay.library import LoopOptions, build_library
 
     with one_line_errors():
         started = time.monotonic()
@@ -78,9 +78,7 @@ def library(
                     refused=lambda line: typer.echo(f"roundelay: {line}", err=True),
                 )
         except KeyboardInterrupt:
-            waiting = Library.open(output).summary["waiting"]
-            typer.echo(f"roundelay: interrupted; clips left for another run: {waiting}", err=True)
-            raise typer.Exit(_INTERRUPTED) from None
+            fail("interrupted; run it again to go on", _INTERRUPTED)
         if json:
             print_json(made.record)
         else:

@@ -19,7 +19,7 @@ from roundelay.errors import NoPeriod, TooShort
 from roundelay.timing import Run, phase_map, return_period, unwrap
 from roundelay.topology.rips import Barcode
 
-__all__ = ["Evidence", "disagreement", "follow", "measure", "without_pauses"]
+__all__ = ["Evidence", "disagreement", "follow", "measure", "turns_of", "without_pauses"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -175,6 +175,36 @@ def follow(
     coordinate = circular_coordinate(
         cloud.barcode, k=class_index, scale=scale, runs=cloud.landmark_runs
     )
+    spread, turns = turns_of(cloud, coordinate, n_frames)
+    moved = np.concatenate([np.diff(turns[a:b]) for a, b in cloud.local])
+    net, total = float(moved.sum()), float(np.abs(moved).sum())
+    try:
+        period = return_period(spread, cloud.runs)
+    except TooShort as error:
+        raise NoPeriod(str(error), cloud.barcode) from None
+    return Evidence(cloud.runs, spread, period, cloud.barcode, coordinate, net, total, cloud=cloud)
+
+
+def turns_of(
+    cloud: PoseCloud, coordinate: CircularCoordinate, n_frames: int
+) -> tuple[Array, Array]:
+    """Unwrap a coordinate over time, so that it runs forward on the whole.
+
+    Parameters
+    ----------
+    cloud : PoseCloud
+    coordinate : CircularCoordinate
+        Of the cloud's landmarks.
+    n_frames : int
+        Length of the capture.
+
+    Returns
+    -------
+    (n_frames,) ndarray
+        Turns of every frame; NaN outside the runs.
+    (m,) ndarray
+        Turns of the cloud's frames.
+    """
     phase, local = cloud.extended(coordinate), cloud.local
     turns = unwrap(phase, local)
     if sum(turns[b - 1] - turns[a] for a, b in local) < 0.0:
@@ -183,13 +213,7 @@ def follow(
     for (start, stop), (a, b) in zip(cloud.runs, local, strict=True):
         inside = np.arange(start, stop)
         spread[start:stop] = _interpolated(inside, cloud.frames[a:b], turns[a:b])
-    moved = np.concatenate([np.diff(turns[a:b]) for a, b in local])
-    net, total = float(moved.sum()), float(np.abs(moved).sum())
-    try:
-        period = return_period(spread, cloud.runs)
-    except TooShort as error:
-        raise NoPeriod(str(error), cloud.barcode) from None
-    return Evidence(cloud.runs, spread, period, cloud.barcode, coordinate, net, total, cloud=cloud)
+    return spread, turns
 
 
 def disagreement(points: Array, evidence: Evidence) -> float:

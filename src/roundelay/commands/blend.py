@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from roundelay.commands.common import one_line_errors, output_directory, read_capture
-from roundelay.commands.limbs import Repair, print_limbs, source_parts
+from roundelay.commands.limbs import Repair, print_limbs
 from roundelay.commands.loop import Fps, InPlace, RepeatFirst
 
 if TYPE_CHECKING:
@@ -112,6 +112,7 @@ def transition(
 
 def _best_cycles(paths: Sequence[Path], mirror: bool) -> tuple[list[Cycle], list[Motion]]:
     """Return the best cycle of each capture, and the parts of the captures that show them."""
+    from roundelay.cycles.repair import source_parts
     from roundelay.errors import NoPeriod
     from roundelay.pipeline import find_cycles
 

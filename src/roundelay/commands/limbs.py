@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
-
-if TYPE_CHECKING:
-    from roundelay.cycles.cycle import Cycle
-    from roundelay.motion import Motion
 
 Repair = Annotated[
     bool,
@@ -17,13 +13,6 @@ Repair = Annotated[
         help="Part limbs that pass through each other more than they do in the capture.",
     ),
 ]
-
-
-def source_parts(cycle: Cycle, motion: Motion, *, mirror: bool = False) -> list[Motion]:
-    """Return the parts of a capture that show a cycle, and if asked those mirrored."""
-    whole, runs = motion.with_root_motion(), cycle.evidence.runs if cycle.evidence else ()
-    parts = [whole[start:stop] for start, stop in runs]
-    return parts + [part.mirror() for part in parts if mirror]
 
 
 def print_limbs(record: dict[str, Any]) -> None:

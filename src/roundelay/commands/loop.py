@@ -19,7 +19,7 @@ from roundelay.commands.common import (
     progress_bar,
     read_capture,
 )
-from roundelay.commands.limbs import Repair, print_limbs, source_parts
+from roundelay.commands.limbs import Repair, print_limbs
 from roundelay.commands.options import SearchOptions, takes_search
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ def _cycles(
 
 
 def _repaired(motion: Motion, cycle: Cycle) -> tuple[Cycle, tuple[Mended, ...]]:
-    from roundelay.cycles.repair import repaired
+    from roundelay.cycles.repair import repaired, source_parts
 
     return repaired(cycle, source_parts(cycle, motion))
 

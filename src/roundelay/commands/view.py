@@ -62,6 +62,7 @@ def view(
 
 def _page(motion: Motion, options: Options, progress: Progress | None) -> tuple[str, str]:
     """Return the page and what it shows in a few words."""
+    from roundelay.cycles.repair import repaired, source_parts
     from roundelay.errors import NoPeriod
     from roundelay.page import build_page
     from roundelay.pipeline import find_cycles
@@ -72,6 +73,7 @@ def _page(motion: Motion, options: Options, progress: Progress | None) -> tuple[
     except NoPeriod as refusal:
         text = build_page(motion, refusal=refusal, segmentation=segmentation)
         return text, "no periodic motion found, the page says why"
+    cycles = [repaired(cycle, source_parts(cycle, motion))[0] for cycle in cycles]
     count = "1 periodic motion" if len(cycles) == 1 else f"{len(cycles)} periodic motions"
     return build_page(motion, cycles, segmentation=segmentation), count
 

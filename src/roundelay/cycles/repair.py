@@ -29,7 +29,7 @@ from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.separation import CLEARANCE, Body, Pair, deepest, separate, turned
 from roundelay.motion import Motion
 
-__all__ = ["Mended", "repaired", "repaired_motion"]
+__all__ = ["Mended", "repaired", "repaired_motion", "source_parts"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -57,6 +57,13 @@ class Mended:
     bones: Pair
     seconds: tuple[tuple[float, float], ...]
     angle: float
+
+
+def source_parts(cycle: Cycle, motion: Motion, *, mirror: bool = False) -> list[Motion]:
+    """Return the parts of a capture that show a cycle, and if asked those mirrored."""
+    whole, runs = motion.with_root_motion(), cycle.evidence.runs if cycle.evidence else ()
+    parts = [whole[start:stop] for start, stop in runs]
+    return parts + [part.mirror() for part in parts if mirror]
 
 
 def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple[Mended, ...]]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from roundelay.cycles.cycle import Cycle
-from roundelay.cycles.repair import repaired
+from roundelay.cycles.repair import repaired, source_parts
 from roundelay.errors import FormatError, NoPeriod, RoundelayError, RoundelayWarning, TooShort
 from roundelay.formats import read, write
 from roundelay.formats.asf import find_skeleton
@@ -194,11 +194,10 @@ def _segments(motion: Motion) -> list[dict[str, Any]]:
 
 def _written(clip: Clip, motion: Motion, cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
     """Write the loops and describe the cycles."""
-    options, records, whole = clip.options, [], motion.with_root_motion()
+    options, records = clip.options, []
     for number, found in enumerate(cycles, 1):
-        runs = found.evidence.runs if found.evidence else ()
-        sources = [whole[start:stop] for start, stop in runs]
-        cycle, mended = repaired(found, sources) if options.repair else (found, ())
+        parts = source_parts(found, motion)
+        cycle, mended = repaired(found, parts) if options.repair else (found, ())
         loop = cycle.sample(
             options.fps, in_place=options.in_place, repeat_first=options.repeat_first
         )

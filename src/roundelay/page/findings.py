@@ -19,10 +19,9 @@ from roundelay.page.capture import sampling_step
 from roundelay.page.feet import loop_feet
 from roundelay.page.packing import Packer
 from roundelay.page.table import quality_rows
-from roundelay.periodicity import Evidence
+from roundelay.periodicity import Evidence, turns_of
 from roundelay.poses import point_cloud
 from roundelay.quality import quality
-from roundelay.timing import unwrap
 from roundelay.topology.rips import Barcode
 
 __all__ = ["cycle_data", "refusal_data"]
@@ -131,14 +130,7 @@ def _turns(evidence: Evidence, number: int) -> Array | None:
         coordinate = circular_coordinate(cloud.barcode, k=number, runs=cloud.landmark_runs)
     except LiftError:
         return None
-    turns = unwrap(cloud.extended(coordinate), cloud.local)
-    if sum(turns[b - 1] - turns[a] for a, b in cloud.local) < 0.0:
-        turns = -turns
-    spread = np.full(len(evidence.turns), np.nan)
-    for (start, stop), (a, b) in zip(cloud.runs, cloud.local, strict=True):
-        inside = np.arange(start, stop)
-        spread[start:stop] = np.interp(inside, cloud.frames[a:b], turns[a:b])
-    return spread
+    return turns_of(cloud, coordinate, len(evidence.turns))[0]
 
 
 def _plane(

@@ -10,7 +10,7 @@ from typing import Any
 
 import bpy
 
-from roundelay import Cycle, Motion, SkeletonMismatch
+from roundelay import Motion, SkeletonMismatch
 
 from .compat import Armature, Context
 from .jobs import Steps
@@ -37,11 +37,6 @@ class Capture:
     def motion(self) -> Motion:
         """The bones' motion."""
         return self.reading.motion
-
-    def parts(self, cycle: Cycle) -> list[Motion]:
-        """Return the frames that show a cycle."""
-        runs = cycle.evidence.runs if cycle.evidence else ()
-        return [self.motion[start:stop] for start, stop in runs]
 
     def in_scene(self, text: str) -> str:
         """Give a text's ranges of frames, 57-893, as frames of the scene."""

@@ -21,6 +21,7 @@ from roundelay import (
     segment,
 )
 from roundelay.behaviours import cycles_in_segments
+from roundelay.cycles.repair import source_parts
 from roundelay.inspection import Inspection, inspect
 from roundelay.quality import quality
 
@@ -105,7 +106,7 @@ def _search(
     progress(1.0, "measuring loops")
     made = [(cycle, "") for cycle in cycles]
     if part_limbs:
-        made = [parted(cycle, capture.parts(cycle)) for cycle in cycles]
+        made = [parted(cycle, source_parts(cycle, motion)) for cycle in cycles]
     return [(cycle, quality(cycle, motion), note) for cycle, note in made]
 
 

@@ -79,7 +79,7 @@ def _fitted(motion: Motion, evidence: Evidence, options: Options) -> Cycle:
 
 def parted(cycle: Cycle, sources: Sequence[Motion]) -> tuple[Cycle, str]:
     """Move limbs apart that meet more than in what a cycle is made from, and say which."""
-    cycle, mended = repaired(cycle, [source.with_root_motion() for source in sources])
+    cycle, mended = repaired(cycle, sources)
     lines = [
         f"{' and '.join(one.bones)} moved apart by up to {np.degrees(one.angle):.0f}\u00b0\n"
         for one in mended

@@ -29,6 +29,7 @@ def walk() -> rl.Motion:
         {"dimensions": 4},
         {"dimensions": 0.95},
         {"prime": 11},
+        {"max_scale": 0.5},
     ],
 )
 def test_every_choice_finds_the_stride(walk, options):

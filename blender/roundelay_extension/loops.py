@@ -9,15 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from roundelay import Cycle, Evidence, Motion, NoPeriod, Options, TopologyOptions
-from roundelay.cycles.centroid import centroid_cycle
+from roundelay import Cycle, Motion, NoPeriod, Options, TopologyOptions
 from roundelay.cycles.fitting import fit_cycle
 from roundelay.cycles.harmonic import HarmonicCurve
-from roundelay.cycles.paper_cycle import paper_cycle
 from roundelay.cycles.repair import repaired
-from roundelay.cycles.tempo import time_phase
 from roundelay.inspection import inspect
-from roundelay.poses import point_cloud
+from roundelay.pipeline import make_cycle
 
 Chosen = Sequence[tuple[int, int]]
 
@@ -26,6 +23,7 @@ def options_of(settings: Any) -> Options:
     """Return the library's options for what the panel holds."""
     topology = TopologyOptions(
         prime=settings.prime,
+        max_scale=settings.max_scale or None,
         scale=settings.scale or None,
         delay=settings.delay / settings.subsample if settings.use_delay else None,
     )
@@ -58,23 +56,7 @@ def _chosen_cycle(motion: Motion, found: Any, options: Options, number: int, ind
         raise NoPeriod("the classes have changed; list them again")
     if classes[index].evidence is None:
         raise NoPeriod(f"class {index}: {classes[index].fault}")
-    return _fitted(motion.with_root_motion(), classes[index].evidence, options)
-
-
-def _fitted(motion: Motion, evidence: Evidence, options: Options) -> Cycle:
-    """Make the cycle of a class, as the search does of the one it takes."""
-    phase = evidence.turns
-    if not evidence.closed:
-        points = point_cloud(motion)
-        phase = time_phase(points, evidence.turns, evidence.runs, frame_time=motion.frame_time)
-    count = options.harmonics
-    cycle = fit_cycle(motion, phase, evidence.runs, harmonics=count, evidence=evidence)
-    if options.method == "centroid":
-        return centroid_cycle(cycle, motion)
-    if options.method == "paper":
-        follow = {"velocity": options.velocity, "acceleration": options.acceleration}
-        return paper_cycle(cycle, motion, harmonics=count, **follow)
-    return cycle
+    return make_cycle(motion, classes[index].evidence, options)
 
 
 def parted(cycle: Cycle, sources: Sequence[Motion]) -> tuple[Cycle, str]:

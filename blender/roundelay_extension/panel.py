@@ -163,7 +163,7 @@ class ROUNDELAY_PT_advanced(_Folded, bpy.types.Panel):
         constraints.enabled = settings.method == "PAPER"
         for name in ("velocity", "acceleration"):
             constraints.prop(settings, name)
-        for name in ("harmonics", "travel_harmonics", "scale", "prime", "use_delay"):
+        for name in ("harmonics", "travel_harmonics", "max_scale", "scale", "prime", "use_delay"):
             column.prop(settings, name)
         delay = column.column()
         delay.active = settings.use_delay

@@ -110,6 +110,13 @@ class Settings(bpy.types.PropertyGroup):
     )
     use_strip: BoolProperty(name="NLA Strip", description="Put the loop on an NLA track, too")
     repeat: FloatProperty(name="Repeat", description="Repetitions in the strip", default=4, min=1)
+    max_scale: FloatProperty(
+        name="Maximal Scale",
+        description="Largest scale of the complex, in body sizes: classes born above are left out, "
+        "bars end there; 0 for all",
+        min=0.0,
+        precision=4,
+    )
     scale: FloatProperty(
         name="Scale",
         description="Scale of the circular coordinate, in body sizes, within the bar of its "

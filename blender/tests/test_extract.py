@@ -202,6 +202,14 @@ def test_refusal_is_one_line():
     assert not armature.animation_data.action.name.startswith("Periodic")
 
 
+def test_no_class_is_born_below_a_small_maximal_scale(jumps):
+    bpy.context.scene.roundelay.max_scale = 0.05
+    with pytest.raises(RuntimeError, match="the poses form 0 loops"):
+        bpy.ops.roundelay.extract()
+    bpy.context.scene.roundelay.max_scale = 1.0
+    assert extract().use_cyclic
+
+
 def test_an_armature_without_action(jumps):
     jumps.animation_data.action = None
     with pytest.raises(RuntimeError, match="has no action"):

@@ -25,6 +25,7 @@ __all__ = ["PoseCloud", "PoseMetric", "TopologyOptions", "make_cloud", "variance
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 PoseMetric = Literal["euclidean", "variance", "adjacent"]
+_Metric = Literal["euclidean", "precomputed"]
 
 # More points than this are thinned to landmarks, chosen from a pool of at most so many; exact
 # topology of them takes about 20 ms.
@@ -42,6 +43,9 @@ class TopologyOptions:
         Coefficients of the cohomology are integers modulo this prime.
     class_index : int, optional
         Which bar to use, 0 being the longest; chosen by hand, it need not stand out.
+    max_scale : float, optional
+        Largest scale of the filtration, in body sizes ([C] 5.3 item 5): classes born above are
+        left out, and bars end there. By default that at which every class has died.
     scale : float, optional
         Scale of the coordinate, between birth and death of the bar, in body sizes.
     delay : float, optional
@@ -60,6 +64,7 @@ class TopologyOptions:
 
     prime: int = 47
     class_index: int | None = None
+    max_scale: float | None = None
     scale: float | None = None
     delay: float | None = None
     delays: int | None = None
@@ -147,11 +152,18 @@ def make_cloud(
     if options.metric == "adjacent":
         return _from_distances(_distances(cloud), runs, frames, local, options)
     landmarks = _landmarks(cloud, "euclidean")
-    barcode = persistent_cohomology(cloud[landmarks], prime=options.prime)
+    barcode = _barcode(cloud[landmarks], "euclidean", options)
     return PoseCloud(tuple(runs), frames, local, cloud, landmarks, barcode)
 
 
-def _landmarks(data: NDArray[np.floating], metric: Literal["euclidean", "precomputed"]) -> Indices:
+def _barcode(data: Array, metric: _Metric, options: TopologyOptions) -> Barcode:
+    if options.max_scale is not None and not options.max_scale > 0.0:
+        raise ValueError(f"expected a positive maximal scale, found {options.max_scale:g}")
+    barcode = persistent_cohomology(data, metric=metric, prime=options.prime)
+    return barcode if options.max_scale is None else barcode.up_to(options.max_scale)
+
+
+def _landmarks(data: NDArray[np.floating], metric: _Metric) -> Indices:
     """Choose landmarks among points: those far from each other, that no quick move be missed.
 
     They are chosen from a pool with one of each few neighbours, at no steady beat: at one, motion
@@ -215,7 +227,7 @@ def _from_distances(
         for a, b in _runs_of(landmarks, local):
             after = np.arange(a + 1, b)
             near[after - 1, after] = near[after, after - 1] = 0.0
-    barcode = persistent_cohomology(near, metric="precomputed", prime=options.prime)
+    barcode = _barcode(near, "precomputed", options)
     data = np.asarray(distances[:, landmarks], float)
     return PoseCloud(tuple(runs), frames, local, data, landmarks, barcode)
 

@@ -37,7 +37,7 @@ from roundelay.poses import Features, point_cloud
 from roundelay.progress import Progress, report
 from roundelay.timing import Run
 
-__all__ = ["Options", "find_cycles", "find_periodic"]
+__all__ = ["Options", "find_cycles", "find_periodic", "make_cycle"]
 
 Array = NDArray[np.float64]
 Method = Literal["harmonic", "centroid", "paper"]
@@ -138,7 +138,7 @@ def find_cycles(
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
         try:
-            cycles.append(_cycle(motion, points, evidence, options))
+            cycles.append(make_cycle(motion, evidence, options, points=points))
         except TooShort as error:
             refused.append(NoPeriod(str(error), evidence))
     if not cycles:
@@ -147,8 +147,31 @@ def find_cycles(
     return cycles
 
 
-def _cycle(motion: Motion, points: Array, evidence: Evidence, options: Options) -> Cycle:
-    phase = evidence.turns
+def make_cycle(
+    motion: Motion,
+    evidence: Evidence,
+    options: Options | None = None,
+    *,
+    points: Array | None = None,
+) -> Cycle:
+    """Make the cycle of what was found, by `find_periodic` or `roundelay.inspection.inspect`.
+
+    Parameters
+    ----------
+    motion : Motion
+    evidence : Evidence
+    options : Options, optional
+        Automatic by default.
+    points : (F, d) ndarray, optional
+        The poses that tell time; by default those of the options.
+
+    Raises
+    ------
+    TooShort
+        If the runs hold no whole period.
+    """
+    options, motion = options or Options(), motion.with_root_motion()
+    points, phase = _points(motion, options) if points is None else points, evidence.turns
     if not evidence.closed:
         phase = time_phase(points, phase, evidence.runs, frame_time=motion.frame_time)
     cycle = fit_cycle(motion, phase, evidence.runs, harmonics=options.harmonics, evidence=evidence)

@@ -110,6 +110,19 @@ def test_classes_alive_at_the_largest_scale_do_not_die() -> None:
     assert len(persistent_cohomology(noisy_circle(50, noise=0.0), max_scale=1.0, longest=1)) == 1
 
 
+def test_bars_up_to_a_scale_are_those_of_a_filtration_that_ends_there() -> None:
+    points = np.concatenate([noisy_circle(60, noise=0.1), 3.0 + 0.5 * noisy_circle(40, noise=0.1)])
+    whole = persistent_cohomology(points)
+    for scale in (0.3, 0.6, 1.0, 99.0):
+        cut, stopped = whole.up_to(scale), persistent_cohomology(points, max_scale=scale)
+        assert np.all(np.diff(cut.persistence) <= 0.0)
+        np.testing.assert_allclose(np.sort(cut.births), np.sort(stopped.births))
+        ends = np.minimum(stopped.deaths, scale)
+        np.testing.assert_allclose(np.sort(cut.deaths), np.sort(ends), rtol=1e-6)
+        assert all(broken_triangles(cut, k) == 0 for k in range(min(3, len(cut))))
+    assert len(whole.up_to(1e-6)) == 0
+
+
 def test_a_scale_beyond_the_enclosing_radius_changes_nothing() -> None:
     points = noisy_circle(50, noise=0.1)
     far, default = persistent_cohomology(points, max_scale=99), persistent_cohomology(points)

@@ -83,6 +83,14 @@ Class = Annotated[
         rich_help_panel=_SEARCH,
     ),
 ]
+MaxScale = Annotated[
+    float | None,
+    typer.Option(
+        help="Largest scale of the filtration, in body sizes: bars end there.",
+        show_default=False,
+        rich_help_panel=_SEARCH,
+    ),
+]
 Scale = Annotated[
     float | None,
     typer.Option(
@@ -117,6 +125,7 @@ class SearchOptions:
     delays: Delays = None
     prime: Prime = 47
     class_index: Class = None
+    max_scale: MaxScale = None
     scale: Scale = None
     gestures: Gestures = None
 
@@ -135,6 +144,7 @@ class SearchOptions:
             topology=TopologyOptions(
                 prime=self.prime,
                 class_index=self.class_index,
+                max_scale=self.max_scale,
                 scale=self.scale,
                 delay=None if self.delay is None else self.delay * motion.fps,
                 delays=self.delays,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -79,6 +79,31 @@ class Barcode:
     def persistence(self) -> F64:
         """Length of each bar (B,), in the unit of the distances."""
         return self.deaths - self.births
+
+    def up_to(self, scale: float) -> Barcode:
+        """Return the bars born below a scale, ended there at the latest ([C] 5.3 item 5).
+
+        Parameters
+        ----------
+        scale : float
+            In the unit of the distances.
+
+        Returns
+        -------
+        Barcode
+            Longest first.
+        """
+        born = np.flatnonzero(self.births < scale)
+        births, deaths = self.births[born], np.minimum(self.deaths[born], scale)
+        order = np.lexsort((births, births - deaths))
+        return replace(
+            self,
+            births=births[order],
+            deaths=deaths[order],
+            components=self.components[self.components < scale],
+            max_scale=min(self.max_scale, scale),
+            _classes=self._classes[born[order]],
+        )
 
     def cocycle(self, k: int = 0, *, scale: float | None = None) -> tuple[I32, I32]:
         """Return a cocycle of class k, the one that lives from its birth until its death.

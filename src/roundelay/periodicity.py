@@ -7,15 +7,16 @@ the motion runs around it again and again ([A] 4.2, 4.6).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.cloud import PoseCloud, TopologyOptions, make_cloud
 from roundelay.coordinate import CircularCoordinate, circular_coordinate
-from roundelay.errors import NoPeriod, TooShort
+from roundelay.errors import LiftError, NoPeriod, TooShort
 from roundelay.timing import Run, phase_map, return_period, unwrap
 from roundelay.topology.rips import Barcode
 
@@ -26,6 +27,10 @@ Indices = NDArray[np.intp]
 
 # Shares of a turn over which pauses are looked for.
 _CELLS = 8
+# Net turns over all turns of what keeps turning the same way.
+_STEADY = 0.8
+# From so many turns on, a class may have companions: bars this much shorter, and fewer turns.
+_OFTEN, _NEARLY = 4.0, 1.5
 # Turns between frames that are taken for the same phase.
 _SAME_PHASE = 0.25
 # Frames whose distances from each other are taken for those of any two.
@@ -52,6 +57,9 @@ class Evidence:
         Turns forward minus backward, and their sum.
     cloud : PoseCloud or None
         The points behind it, for following other classes.
+    companions : tuple of int
+        Other classes whose coordinates turn along: of ten jumps one may be unlike the others,
+        and one class counts ten, another nine.
     closed : bool
         The frames are one period whose ends meet; `turns` is their phase in time.
     """
@@ -64,6 +72,7 @@ class Evidence:
     net: float
     total: float
     cloud: PoseCloud | None = field(default=None, repr=False)
+    companions: tuple[int, ...] = ()
     closed: bool = False
 
     @property
@@ -76,9 +85,12 @@ class Evidence:
 
     @property
     def prominence(self) -> float:
-        """Length of the class's bar over the longest other one; infinite without another."""
-        lengths = self.barcode.deaths - self.barcode.births
-        others = np.delete(lengths, self.coordinate.class_index)
+        """Length of the class's bar over the longest other one; infinite without another.
+
+        Companions do not count: they tell of the same motion.
+        """
+        lengths = self.barcode.persistence
+        others = np.delete(lengths, [self.coordinate.class_index, *self.companions])
         longest = float(others.max(initial=0.0))
         own = float(lengths[self.coordinate.class_index])
         return own / longest if longest > 0.0 else float("inf")
@@ -113,7 +125,7 @@ class Evidence:
         """
         if self.net < 1.02:
             return f"it makes {self.net:.2f} turns of its loop, not more than one"
-        if self.steadiness < 0.8:
+        if self.steadiness < _STEADY:
             return f"of {self.total:.2f} turns only {self.net:.2f} remain forwards"
         share = sum(stop - start for start, stop in self.runs) / searched
         unique = self.net >= 1.3 and self.prominence >= 10.0
@@ -143,7 +155,22 @@ def measure(
         If the cloud has no loop or the coordinate does not turn.
     """
     cloud = make_cloud(points, runs, period, step, options)
-    return follow(cloud, options.class_index or 0, scale=options.scale, n_frames=len(points))
+    found = follow(cloud, options.class_index or 0, scale=options.scale, n_frames=len(points))
+    return replace(found, companions=tuple(_companions(found, cloud)))
+
+
+def _companions(evidence: Evidence, cloud: PoseCloud) -> Iterator[int]:
+    """List classes that live nearly as long and turn nearly as often, as steadily."""
+    lengths, own = cloud.barcode.persistence, evidence.coordinate.class_index
+    if evidence.net < _OFTEN:
+        return
+    for other in np.flatnonzero(lengths > lengths[own] / _NEARLY).tolist():
+        if other == own:
+            continue
+        with suppress(NoPeriod, LiftError):
+            along = follow(cloud, other, n_frames=len(evidence.turns))
+            if along.net * _NEARLY > evidence.net and along.steadiness >= _STEADY:
+                yield other
 
 
 def follow(

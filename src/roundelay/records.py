@@ -76,6 +76,7 @@ def evidence_record(evidence: Evidence) -> dict[str, Any]:
         "prominence": evidence.prominence if np.isfinite(evidence.prominence) else None,
         "steadiness": evidence.steadiness,
         "class": evidence.coordinate.class_index,
+        "companions": list(evidence.companions),
         "scale": evidence.coordinate.scale,
         "prime": evidence.barcode.prime,
         "barcode": _bars(evidence.barcode),

@@ -1,7 +1,8 @@
 """The evidence.
 
-Ten forward jumps with two turns between them (CMU 01_01). One bar of the barcode stands out; its
-circular coordinate climbs one turn a jump in three parts of the capture; the cycle runs through the
+Ten forward jumps with two turns between them (CMU 01_01). Two bars of the barcode stand out. The
+circular coordinate of the first climbs one turn a jump in three parts of the capture; the second is
+its companion, which counts the nine jumps that are like each other. The cycle runs through the
 middle of the poses.
 """
 

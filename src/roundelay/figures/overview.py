@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.figures.palette import ACCENT, INK, PALE
+from roundelay.figures.palette import ACCENT, COMPANION, INK, PALE
 from roundelay.figures.style import dress, new_figure, phase_look, save
 from roundelay.motion import Motion
 from roundelay.poses import point_cloud
@@ -105,7 +105,9 @@ def overview(motion: Motion, cycles: list[Cycle]) -> Figure:
     grid = figure.subplots(len(cycles), 3, squeeze=False, width_ratios=(1.0, 1.4, 1.2))
     for row, cycle in zip(grid, cycles, strict=True):
         if cycle.evidence is not None:
-            barcode(row[0], cycle.evidence.barcode, cycle.evidence.coordinate.class_index)
+            colours = dict.fromkeys(cycle.evidence.companions, COMPANION)
+            colours[cycle.evidence.coordinate.class_index] = ACCENT
+            barcode(row[0], cycle.evidence.barcode, colours)
             coordinate(row[1], cycle.evidence, motion)
             found = f"{cycle.evidence.repetitions:.2f} turns, period {cycle.period:.2f} s"
             dress(row[1], f"circular coordinate: {found}", x="time (s)", y="turns")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["ACCENT", "INK", "MUTED", "PALE", "phase_colours"]
+__all__ = ["ACCENT", "COMPANION", "INK", "MUTED", "PALE", "phase_colours"]
 
 INK, ACCENT, MUTED, PALE = "#33415c", "#d1495b", "#69727d", "#b8c0cc"
+# Beside the accent, for what belongs to it.
+COMPANION = "#e6a0aa"
 
 # Oklab to linear sRGB (Ottosson 2020).
 _TO_LMS = np.array(

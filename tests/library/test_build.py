@@ -160,6 +160,16 @@ def test_loops_within_the_source_are_not_read(clips, place):
         assert library.summary["clips"] == 2
 
 
+def test_sources_above_the_current_folder(clips, tmp_path, monkeypatch):
+    monkeypatch.chdir(clips / "anna")
+    for _ in range(2):
+        library = rl.build_library(["../ben", ".", "take.bvh"], "library", jobs=1, again=True)
+        assert [clip["file"] for clip in library.clips] == ["anna/take.bvh", "ben/take.bvh"]
+        assert all((clips / "anna/library/loops" / file).is_dir() for file, _ in library.cycles)
+        library = rl.build_library("..", "library", jobs=1, again=True)
+        assert [clip["file"] for clip in library.clips] == ["anna/take.bvh", "ben/take.bvh"]
+
+
 def test_names_that_are_no_text(clips, tmp_path):
     odd = os.fsdecode(b"caf\xe9.bvh")
     try:

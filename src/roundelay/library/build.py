@@ -75,9 +75,9 @@ def build_library(
     """
     if jobs is not None and jobs < 1:
         raise ValueError(f"expected at least one job, found {jobs}")
-    folder, options = Path(folder).absolute(), options or LoopOptions()
+    folder, options = Path(folder).resolve(), options or LoopOptions()
     given = [sources] if isinstance(sources, str | PathLike) else sources
-    places = [Path(source).absolute() for source in given]
+    places = [_rooted(Path(source)) for source in given]
     captures, faults = find_captures(places, besides=folder / LOOPS)
     unread = [f"{fault.filename}: {fault.strerror}" for fault in faults]
     tell = refused or (lambda line: None)
@@ -96,6 +96,14 @@ def build_library(
     finally:
         _write(list(captures), log, unread, folder)
     return Library.open(folder)
+
+
+def _rooted(source: Path) -> Path:
+    """Return a source without the links and ".." that would lead names out of the library.
+
+    A file keeps its own name, which tells its format.
+    """
+    return source.resolve() if source.is_dir() else source.parent.resolve() / source.name
 
 
 def _current(folder: Path, names: Sequence[str], unread: Sequence[str]) -> Library | None:

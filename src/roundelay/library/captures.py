@@ -20,7 +20,7 @@ def find_captures(sources: Sequence[Path], besides: Path) -> tuple[dict[str, Pat
     Parameters
     ----------
     sources : sequence of Path
-        Absolute.
+        Absolute, their folders without links and "..".
     besides : Path
         A folder to leave out.
 

@@ -57,7 +57,7 @@ def test_the_record_holds_results_and_options(looped):
 
 
 def test_a_loop_for_engines(walk, tmp_path):
-    arguments = ["loop", str(walk), "-o", str(tmp_path), "--file-format", "glb", "--no-picture"]
+    arguments = ["loop", str(walk), "-o", str(tmp_path), "--format", "glb", "--no-picture"]
     result = runner.invoke(app, [*arguments, "--fps", "30"])
     assert result.exit_code == 0, result.output
     assert (tmp_path / "walk_loop.glb").read_bytes()[:4] == b"glTF"
@@ -86,7 +86,7 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
     rl.write(synth.wander(5.0).motion, path)
     result = runner.invoke(app, ["loop", str(path), "-o", str(tmp_path)])
     assert result.exit_code == 3
-    assert result.stderr.startswith("roundelay: no periodic motion found")
+    assert result.stderr.startswith(f"roundelay: {path}: no periodic motion found")
     assert result.stderr.count("\n") == 1
     record = json.loads((tmp_path / "wander_loop.json").read_text())
     assert record["cycles"] == []
@@ -103,8 +103,23 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
         (["loop", "{walk}", "--joints", "Tail"], "no joint 'Tail'"),
         (["loop", "{walk}", "--prime", "48"], "prime"),
         (["loop", "{walk}", "--fps", "-1"], "positive frame rate"),
-        (["loop", "{walk}", "--file-format", "fbx"], "glb or gltf"),
+        (["loop", "{walk}", "--format", "fbx"], "expected a format among"),
+        (["loop", "{walk}", "--fps", "1e9"], "positive frame rate"),
+        (["loop", "{walk}", "--delay", "-1"], "a delay of at least 0"),
+        (["loop", "{walk}", "--dimensions", "0"], "number of dimensions"),
+        (["loop", "{walk}", "--dimensions", "2.5"], "number of dimensions"),
+        (["loop", "{walk}", "--frames", "3:9"], "{walk}: a period needs at least 8 frames"),
+        (["loop", "{walk}", "-o", "{walk}"], "{walk}: expected a folder, found a file"),
+        (["loop", "{walk}", "--periods", "0"], "'--periods'"),
+        (["loop", "{walk}", "--fps", "fast"], "'--fps'"),
+        (["loop", "{walk}", "--bogus"], "--bogus; see "),
+        (["loop"], "missing argument"),
+        (["polka"], "no such command 'polka'"),
         (["loop", "{readme}"], "file of type"),
+        (["loop", "{out}"], "file of type"),
+        (["view", "{walk}", "-o", "{out}"], "{out}: expected a file, found a folder"),
+        (["search", "{walk}", "{out}"], "no library.json in it"),
+        (["blend", "{walk}", "{walk}", "-o", "{out}/b.bvh", "--weights", "1"], "2 numbers"),
         (["convert", "{walk}", "{out}/walk.fbx"], "file of type"),
         (["convert", "{walk}", "{out}/walk.bvh", "--scale", "0"], "positive scale"),
         (["convert", "{walk}", "{out}/walk.bvh", "--frames", "9:3"], "frames within"),
@@ -116,7 +131,7 @@ def test_bad_input_is_one_line_and_exit_code_2(walk, tmp_path, arguments, messag
     filled = [a.format(walk=walk, readme=readme, out=tmp_path) for a in arguments]
     result = runner.invoke(app, filled)
     assert result.exit_code == 2, result.output
-    assert message in result.stderr
+    assert message.format(walk=walk, out=tmp_path) in result.stderr
     assert result.stderr.startswith("roundelay: ")
     assert result.stderr.count("\n") == 1
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Annotated
+import sys
+from typing import Annotated, Any, NoReturn
 
 import typer
+from typer.core import TyperGroup
 
 from roundelay.commands.blend import blend, transition
+from roundelay.commands.common import BAD_INPUT, INTERRUPTED
 from roundelay.commands.convert import convert
 from roundelay.commands.excitations import excitations
 from roundelay.commands.inspect import inspect
@@ -19,7 +22,32 @@ from roundelay.commands.view import view
 
 __all__ = ["main"]
 
+# What a wrong command line raises: Typer has no public name for it.
+_UsageError: type[Exception] = typer.BadParameter.__mro__[1]
+
+
+class _Commands(TyperGroup):
+    """Commands whose wrong use costs one line, like every other error."""
+
+    def main(self, *args: Any, **options: Any) -> NoReturn:
+        try:
+            code = super().main(*args, **options | {"standalone_mode": False})
+        except _UsageError as error:
+            _refuse(error)
+        except typer.Abort:
+            code = INTERRUPTED
+        sys.exit(code)
+
+
+def _refuse(error: Any) -> NoReturn:
+    message = error.format_message().rstrip(".")
+    where = error.ctx.command_path if error.ctx else "roundelay"
+    typer.echo(f"roundelay: {message[:1].lower()}{message[1:]}; see {where} --help", err=True)
+    sys.exit(BAD_INPUT)
+
+
 app = typer.Typer(
+    cls=_Commands,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

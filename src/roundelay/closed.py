@@ -62,7 +62,8 @@ def closed_capture(
         raise NoPeriod(f"its last pose is {apart} from its first: no closed period")
     width = float(np.linalg.norm(poses - poses[0], axis=1).max())
     if width < _WIDER * gap:
-        raise NoPeriod(f"it stays within {width / gap:.1f} times the gap between its ends")
+        wide = f"{width / gap:.1f} times as wide as the gap between its ends"
+        raise NoPeriod(f"its loop is {wide}, not {_WIDER:g}")
     cloud = make_cloud(points, [run], float(len(poses)), step, options)
     if len(cloud.barcode) == 0:
         raise NoPeriod("the poses form no loop", cloud.barcode)

@@ -138,10 +138,7 @@ def make_cloud(
     ValueError
         If an option is out of range.
     """
-    if options.metric not in get_args(PoseMetric):
-        raise ValueError(
-            f"expected a metric among {get_args(PoseMetric)}, found {options.metric!r}"
-        )
+    _check(options)
     thin = [np.arange(start, stop, step) for start, stop in runs]
     frames, local = np.concatenate(thin), _bounds([len(part) for part in thin])
     poses = _scaled(points[frames], options)
@@ -156,9 +153,25 @@ def make_cloud(
     return PoseCloud(tuple(runs), frames, local, cloud, landmarks, barcode)
 
 
-def _barcode(data: Array, metric: _Metric, options: TopologyOptions) -> Barcode:
+def _check(options: TopologyOptions) -> None:
+    if options.metric not in get_args(PoseMetric):
+        raise ValueError(
+            f"expected a metric among {get_args(PoseMetric)}, found {options.metric!r}"
+        )
     if options.max_scale is not None and not options.max_scale > 0.0:
         raise ValueError(f"expected a positive maximal scale, found {options.max_scale:g}")
+    if options.delay is not None and not 0.0 <= options.delay < np.inf:
+        raise ValueError(f"expected a delay of at least 0 frames, found {options.delay:g}")
+    if options.delays is not None and options.delays < 1:
+        raise ValueError(f"expected at least one delay, found {options.delays}")
+    axes = options.dimensions
+    if axes is not None and not (axes >= 1 if isinstance(axes, int) else 0.0 < axes < 1.0):
+        raise ValueError(
+            f"expected a whole number of dimensions or a share below 1, found {axes:g}"
+        )
+
+
+def _barcode(data: Array, metric: _Metric, options: TopologyOptions) -> Barcode:
     barcode = persistent_cohomology(data, metric=metric, prime=options.prime)
     return barcode if options.max_scale is None else barcode.up_to(options.max_scale)
 
@@ -206,8 +219,6 @@ def _delayed(
     options: TopologyOptions,
 ) -> PoseCloud:
     count = options.delays or 0
-    if count < 1:
-        raise ValueError(f"expected at least one delay, found {count}")
     delays = np.unique(np.round(np.linspace(0.0, 0.5 * period, count + 1)).astype(int))
     distances, kept, kept_runs = delay_distances(_distances(poses) ** 2, delays.tolist(), local)
     long_enough = [run for run, (a, b) in zip(runs, local, strict=True) if b - a > delays[-1]]

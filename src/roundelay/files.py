@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from errno import EISDIR
 from pathlib import Path
 
 __all__ = ["written_beside"]
@@ -17,8 +18,10 @@ def written_beside(path: Path) -> Iterator[Path]:
     Raises
     ------
     OSError
-        If the file cannot be renamed.
+        If the file cannot be renamed, or `path` is a folder.
     """
+    if path.is_dir():
+        raise IsADirectoryError(EISDIR, "expected a file, found a folder", str(path))
     # The suffix stays last: some writers choose the format by it.
     part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:

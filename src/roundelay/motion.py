@@ -19,9 +19,12 @@ from roundelay.geometry.symmetry import (
 )
 from roundelay.skeleton import Skeleton
 
-__all__ = ["Motion", "concatenate"]
+__all__ = ["Motion", "checked_rate", "concatenate"]
 
 Array = NDArray[np.float64]
+
+# Frames a second; none is shown or filmed faster, and a slip of the keyboard would fill memory.
+_FASTEST = 10_000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,11 +122,9 @@ class Motion:
         Raises
         ------
         ValueError
-            If `fps` is not positive.
+            If `fps` is not positive, or beyond 10,000.
         """
-        if not (np.isfinite(fps) and fps > 0.0):
-            raise ValueError(f"expected a positive frame rate, found {fps}")
-        ratio = 1.0 / (fps * self.frame_time)
+        ratio = 1.0 / (checked_rate(fps) * self.frame_time)
         # A grid point that rounding puts just past the end belongs to the motion.
         count = int(np.floor((len(self) - 1) / ratio + 1e-6)) + 1
         return replace(self.at(np.arange(count) * ratio), frame_time=1.0 / fps)
@@ -290,6 +291,19 @@ def _translations(motion: Motion) -> Array:
     if motion.translations is not None:
         return motion.translations
     return np.broadcast_to(motion.skeleton.offsets, (*motion.rotations.shape[:2], 3))
+
+
+def checked_rate(fps: float) -> float:
+    """Return a frame rate to sample at.
+
+    Raises
+    ------
+    ValueError
+        If it is not positive, or beyond 10,000.
+    """
+    if not 0.0 < fps <= _FASTEST:
+        raise ValueError(f"expected a positive frame rate up to {_FASTEST:g}, found {fps:g}")
+    return fps
 
 
 def _lerp(values: Array, before: Array, after: Array, part: Array) -> Array:

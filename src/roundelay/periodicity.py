@@ -198,7 +198,8 @@ def follow(
         If there is no such class, or its coordinate makes no turn.
     """
     if len(cloud.barcode) <= class_index:
-        raise NoPeriod(f"the poses form {len(cloud.barcode)} loops", cloud.barcode)
+        absent = f", none of them class {class_index}" if class_index else ""
+        raise NoPeriod(f"the poses form {len(cloud.barcode)} loops{absent}", cloud.barcode)
     coordinate = circular_coordinate(
         cloud.barcode, k=class_index, scale=scale, runs=cloud.landmark_runs
     )

@@ -43,6 +43,7 @@ Array = NDArray[np.float64]
 Method = Literal["harmonic", "centroid", "paper"]
 Weights = Literal["none", "length", "mass"]
 
+_FEWEST = 8  # frames
 # A longer capture that ends as it began is a take, not a loop, in seconds.
 _LONGEST_CLOSED = 10.0
 # Body sizes below which nothing moves, but for rounding.
@@ -281,13 +282,13 @@ def _weight(evidence: Evidence) -> float:
 
 
 def _points(motion: Motion, options: Options) -> Array:
-    if len(motion) < 8:
-        raise TooShort(f"a period needs at least 8 frames, found {len(motion)}")
+    if len(motion) < _FEWEST:
+        raise TooShort(f"a period needs at least {_FEWEST} frames, found {len(motion)}")
     skeleton = motion.skeleton
     joints = None if options.joints is None else skeleton.indices(options.joints)
     weights = {"none": None, "length": skeleton.bone_lengths, "mass": skeleton.moved_lengths}
     if options.weights not in weights:
-        raise ValueError(f"expected weights among {list(weights)}, found {options.weights!r}")
+        raise ValueError(f"expected weights among {tuple(weights)}, found {options.weights!r}")
     chosen = weights[options.weights]
     scaled = None if chosen is None else chosen / max(float(chosen.max()), 1e-12)
     return point_cloud(motion, options.features, joints=joints, weights=scaled)
@@ -299,6 +300,8 @@ def _frames(motion: Motion, points: Array, frames: Run | None) -> Run:
     start, stop = frames
     if not 0 <= start < stop <= len(motion):
         raise ValueError(f"expected frames within 0 and {len(motion)}, found {start} to {stop}")
+    if stop - start < _FEWEST:
+        raise TooShort(f"a period needs at least {_FEWEST} frames, found {stop - start}")
     return start, stop
 
 

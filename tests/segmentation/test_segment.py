@@ -196,7 +196,7 @@ def test_curve_stands_above_one_at_cuts_only(capture):
 
 
 @pytest.mark.parametrize("frames", [1, 2, 17, 119, 241, 500])
-@pytest.mark.parametrize("fps", [1.0, 24.0, 120.0])
+@pytest.mark.parametrize("fps", [1e-3, 1.0, 24.0, 120.0])
 @pytest.mark.parametrize("kind", ["noise", "walk", "constant", "step", "huge"])
 def test_any_numbers_give_segments_or_a_clear_error(frames, fps, kind):
     rng = np.random.default_rng(frames)

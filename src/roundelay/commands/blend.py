@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     from roundelay.motion import Motion
 
 Captures = Annotated[
-    list[Path], typer.Argument(help="BVH or AMC files, one cycle each.", show_default=False)
+    list[Path],
+    typer.Argument(
+        metavar="CAPTURE...", help="BVH or AMC files, one cycle each.", show_default=False
+    ),
 ]
 Weights = Annotated[
     str | None,
@@ -36,7 +39,12 @@ Output = Annotated[
         "-o", "--output", help="File to write: BVH, AMC, GLB or GLTF.", show_default=False
     ),
 ]
-Capture = Annotated[Path, typer.Argument(help="A BVH or AMC file.", show_default=False)]
+First = Annotated[
+    Path, typer.Argument(metavar="FIRST", help="A BVH or AMC file.", show_default=False)
+]
+Second = Annotated[
+    Path, typer.Argument(metavar="SECOND", help="A BVH or AMC file.", show_default=False)
+]
 
 
 def blend(
@@ -62,8 +70,8 @@ def blend(
         from roundelay.formats import write
         from roundelay.playback import playback_record
 
+        shares = _shares(weights, len(captures))
         cycles, sources = _best_cycles(captures, mirror)
-        shares = [1.0 / len(cycles)] * len(cycles) if weights is None else _numbers(weights)
         mixed = blend_cycles(cycles, shares, by=align, mirror=mirror)  # type: ignore[arg-type]
         mixed, mended = repaired(mixed, sources) if repair else (mixed, ())
         loop = mixed.sample(fps, in_place=in_place, repeat_first=repeat_first)
@@ -74,8 +82,8 @@ def blend(
 
 
 def transition(
-    first: Capture,
-    second: Capture,
+    first: First,
+    second: Second,
     output: Output,
     seconds: Annotated[float, typer.Option(help="How long the transition lasts.")] = 0.5,
     before: Annotated[float, typer.Option(help="Seconds of the first cycle before it.")] = 1.0,
@@ -106,7 +114,7 @@ def transition(
         motion, mended = repaired_motion(motion, sources) if repair else (motion, ())
         output_directory(output.parent)
         write(motion, output)
-        typer.echo(f"{output}: {len(motion)} frames at {motion.fps:g} fps")
+        typer.echo(f"{output}: {len(motion)} frames at {motion.fps:.4g} fps")
         print_limbs(limb_record(motion, mended))
 
 
@@ -127,8 +135,15 @@ def _best_cycles(paths: Sequence[Path], mirror: bool) -> tuple[list[Cycle], list
     return cycles, sources
 
 
-def _numbers(text: str) -> list[float]:
+def _shares(text: str | None, count: int) -> list[float]:
+    if text is None:
+        return [1.0 / count] * count
     try:
-        return [float(part) for part in text.split(",")]
+        shares = [float(part) for part in text.split(",")]
+        if len(shares) != count:
+            raise ValueError
     except ValueError:
-        raise ValueError(f"expected numbers with commas, found {text!r}") from None
+        raise ValueError(
+            f"expected weights as {count} numbers with commas, found {text!r}"
+        ) from None
+    return shares

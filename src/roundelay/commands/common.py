@@ -7,6 +7,7 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from errno import ENOTDIR
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BAD_INPUT",
+    "INTERRUPTED",
     "NO_PERIOD",
     "Capture",
     "Directory",
@@ -33,9 +35,11 @@ __all__ = [
     "read_capture",
 ]
 
-BAD_INPUT, NO_PERIOD = 2, 3
+BAD_INPUT, NO_PERIOD, INTERRUPTED = 2, 3, 130
 
-Capture = Annotated[Path, typer.Argument(help="A BVH or AMC file.", show_default=False)]
+Capture = Annotated[
+    Path, typer.Argument(metavar="CAPTURE", help="A BVH or AMC file.", show_default=False)
+]
 Skeleton = Annotated[
     Path | None,
     typer.Option(help="The ASF of an AMC; looked for beside it by default.", show_default=False),
@@ -61,20 +65,31 @@ def fail(message: str, code: int = BAD_INPUT) -> NoReturn:
 
 
 @contextmanager
-def one_line_errors() -> Iterator[None]:
-    """Turn errors of the input into one line and exit code 2, warnings into one line each."""
-    from roundelay.errors import NoPeriod, RoundelayError
+def one_line_errors(capture: Path | None = None) -> Iterator[None]:
+    """Turn errors of the input into one line and exit code 2, warnings into one line each.
+
+    Errors that name no file themselves are those of `capture`, if that is given.
+    """
+    from roundelay.errors import FormatError, NoPeriod, RoundelayError
+
+    named = "" if capture is None else f"{capture}: "
 
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
         try:
             yield
         except NoPeriod as error:
-            fail(str(error), NO_PERIOD)
-        except (RoundelayError, ValueError) as error:
+            fail(f"{named}{error}", NO_PERIOD)
+        except (FormatError, ValueError) as error:
             fail(str(error))
+        except RoundelayError as error:
+            fail(f"{named}{error}")
+        except BrokenPipeError:
+            raise
         except OSError as error:
             fail(f"{error.filename or 'file'}: {error.strerror or error}")
+        except MemoryError:
+            fail(f"{named}out of memory")
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -111,8 +126,17 @@ def frame_range(text: str | None, frames: int) -> tuple[int, int] | None:
 
 
 def output_directory(path: Path) -> Path:
-    """Make the folder for the results."""
-    path.mkdir(parents=True, exist_ok=True)
+    """Make the folder for the results.
+
+    Raises
+    ------
+    OSError
+        If it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise NotADirectoryError(ENOTDIR, "expected a folder, found a file", str(path)) from None
     return path
 
 

@@ -18,7 +18,10 @@ from roundelay.commands.common import (
 )
 
 Target = Annotated[
-    Path, typer.Argument(help="The BVH, AMC, GLB or GLTF file to write.", show_default=False)
+    Path,
+    typer.Argument(
+        metavar="TARGET", help="The BVH, AMC, GLB or GLTF file to write.", show_default=False
+    ),
 ]
 Fps = Annotated[float | None, typer.Option(help="Resample to this rate.", show_default=False)]
 Scale = Annotated[float, typer.Option(help="Multiply every length.")]
@@ -36,20 +39,17 @@ def convert(
 
     An AMC gets its ASF beside it, of the same name.
     """
-    with one_line_errors():
+    with one_line_errors(capture):
         from roundelay.formats import write
 
         motion = read_capture(capture, skeleton)
         wanted = frame_range(frames, len(motion))
         if wanted is not None:
-            start, stop = wanted
-            if not 0 <= start < stop <= len(motion):
-                raise ValueError(f"expected frames within 0:{len(motion)}, found {frames}")
-            motion = motion[start:stop]
+            motion = motion[slice(*wanted)]
         if scale != 1.0:
             motion = motion.scaled(scale)
         if fps is not None:
             motion = motion.resample(fps)
         output_directory(target.parent)
         write(motion, target)
-        typer.echo(f"{target}: {len(motion)} frames at {motion.fps:g} fps")
+        typer.echo(f"{target}: {len(motion)} frames at {motion.fps:.4g} fps")

@@ -61,9 +61,10 @@ def excitations(
     from roundelay.excitation import excitations as find_excitations
     from roundelay.poses import point_cloud
 
-    with one_line_errors():
+    with one_line_errors(capture):
         motion = read_capture(capture, skeleton).with_root_motion()
         first, last = frame_range(frames, len(motion)) or (0, len(motion))
+        folder = output_directory(output)
         chosen = None if joints is None else motion.skeleton.indices(joints.split(","))
         found = find_excitations(
             point_cloud(motion, joints=chosen)[first:last],
@@ -79,7 +80,6 @@ def excitations(
             "bars": len(found.barcode),
             "classes": [_class(one, first) for one in found.classes],
         }
-        folder = output_directory(output)
         from roundelay.records import write_json
 
         write_json(record, folder / f"{capture.stem}_excitations.json")

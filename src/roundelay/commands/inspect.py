@@ -46,13 +46,12 @@ def inspect(
     """
     from roundelay.inspection import inspect as inspect_motion
 
-    with one_line_errors():
+    with one_line_errors(capture):
         with progress_bar(quiet=json):
             motion = read_capture(capture, skeleton)
-            options = search.resolved(motion)
+            options, folder = search.resolved(motion), output_directory(output)
             found = inspect_motion(motion, options, most=classes)
         record = _record(motion, capture, options, found)
-        folder = output_directory(output)
         from roundelay.records import write_json
 
         write_json(record, folder / f"{capture.stem}_inspect.json")

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from roundelay.commands.common import BAD_INPUT, NO_PERIOD, Json, fail, one_line_errors, print_json
+from roundelay.commands.common import (
+    BAD_INPUT,
+    INTERRUPTED,
+    NO_PERIOD,
+    Json,
+    fail,
+    one_line_errors,
+    print_json,
+)
 from roundelay.commands.limbs import Repair
 from roundelay.commands.loop import Format, Fps, InPlace, RepeatFirst
 
@@ -36,8 +44,6 @@ Jobs = Annotated[
     typer.Option(help="Processes; one a CPU by default.", min=1, show_default=False),
 ]
 Again = Annotated[bool, typer.Option("--again", help="Do again what an earlier run did.")]
-
-_INTERRUPTED = 130
 
 
 def library(
@@ -78,7 +84,7 @@ def library(
                     refused=lambda line: typer.echo(f"roundelay: {line}", err=True),
                 )
         except KeyboardInterrupt:
-            fail("interrupted; run it again to go on", _INTERRUPTED)
+            fail("interrupted; run it again to go on", INTERRUPTED)
         if json:
             print_json(made.record)
         else:

@@ -54,16 +54,18 @@ Fps = Annotated[
     float | None,
     typer.Option(help="Frame rate of the loop; the capture's by default.", show_default=False),
 ]
-Periods = Annotated[int, typer.Option(help="Periods in the written loop.", min=1)]
+Periods = Annotated[int, typer.Option(help="Periods in the written loop.", min=1, max=1000)]
 RepeatFirst = Annotated[
     bool, typer.Option("--repeat-first", help="Let the last frame repeat the first.")
 ]
 Segments = Annotated[
     bool, typer.Option("--segments", help="Cut into behaviours first; loops of each by itself.")
 ]
-Format = Annotated[str, typer.Option(help="bvh, amc, glb or gltf.")]
+Format = Annotated[str, typer.Option("--format", help="bvh, amc, glb or gltf.")]
 Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
 Gif = Annotated[bool, typer.Option("--gif", help="Write each loop as a moving picture, too.")]
+
+_FORMATS = ("bvh", "amc", "glb", "gltf")
 
 
 @takes_search
@@ -98,9 +100,9 @@ def loop(
     """
     from roundelay.errors import NoPeriod
 
-    with one_line_errors():
-        if file_format not in ("bvh", "amc", "glb", "gltf"):
-            raise ValueError(f"expected format bvh, amc, glb or gltf, found {file_format!r}")
+    with one_line_errors(capture):
+        if file_format not in _FORMATS:
+            raise ValueError(f"expected a format among {_FORMATS}, found {file_format!r}")
         with progress_bar(quiet=json) as progress:
             motion = read_capture(capture, skeleton)
             options = search.resolved(
@@ -216,7 +218,7 @@ def _animate(record: dict[str, Any], cycles: list[Cycle], folder: Path) -> None:
 def _print_summary(record: dict[str, Any], folder: Path) -> None:
     capture = record["capture"]
     typer.echo(
-        f"{capture['file']}: {capture['frames']} frames at {capture['fps']:g} fps, "
+        f"{capture['file']}: {capture['frames']} frames at {capture['fps']:.4g} fps, "
         f"{capture['seconds']:.1f} s, {capture['joints']} joints"
     )
     for number, cycle in enumerate(record["cycles"], 1):

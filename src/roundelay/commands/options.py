@@ -134,7 +134,8 @@ class SearchOptions:
         from roundelay.cloud import TopologyOptions
         from roundelay.pipeline import Options
 
-        whole = self.dimensions is not None and self.dimensions >= 1.0
+        axes = self.dimensions
+        whole = axes is not None and axes >= 1.0 and axes.is_integer()
         return Options(
             frames=frame_range(self.frames, len(motion)),
             joints=None if self.joints is None else tuple(self.joints.split(",")),
@@ -149,7 +150,7 @@ class SearchOptions:
                 delay=None if self.delay is None else self.delay * motion.fps,
                 delays=self.delays,
                 metric=cast("Any", self.metric),
-                dimensions=int(cast("float", self.dimensions)) if whole else self.dimensions,
+                dimensions=int(cast("float", axes)) if whole else axes,
             ),
             **others,
         )

@@ -7,12 +7,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from roundelay.commands.common import Frames, Json, Skeleton, one_line_errors, print_json
+from roundelay.commands.common import (
+    Capture,
+    Frames,
+    Json,
+    Skeleton,
+    frame_range,
+    one_line_errors,
+    print_json,
+    read_capture,
+)
 
 if TYPE_CHECKING:
     from roundelay.library import Match
 
-Query = Annotated[Path, typer.Argument(help="A BVH or AMC file.", show_default=False)]
 Folder = Annotated[
     Path,
     typer.Argument(
@@ -23,7 +31,7 @@ Count = Annotated[int, typer.Option(help="How many to list.", min=1)]
 
 
 def search(
-    query: Query,
+    capture: Capture,
     folder: Folder,
     skeleton: Skeleton = None,
     frames: Frames = None,
@@ -38,20 +46,19 @@ def search(
     Exit code 0: cycles were listed; 2: bad input, or no cycle with the capture's joints; 3: the
     capture has no periodic motion.
     """
-    from roundelay.commands.common import frame_range, read_capture
     from roundelay.library import Library
     from roundelay.pipeline import Options, find_cycles
 
-    with one_line_errors():
+    with one_line_errors(capture):
         library = Library.open(folder)
-        motion = read_capture(query, skeleton)
+        motion = read_capture(capture, skeleton)
         cycle = find_cycles(motion, Options(frames=frame_range(frames, len(motion))))[0]
         matches, left_out = library.search(cycle, count)
         if json:
             found = [{"distance": m.distance, "file": m.file} | m.cycle for m in matches]
-            print_json({"query": query.name, "left_out": left_out, "matches": found})
+            print_json({"query": capture.name, "left_out": left_out, "matches": found})
         else:
-            typer.echo(f"{query.name}: period {cycle.period:.2f} s")
+            typer.echo(f"{capture.name}: period {cycle.period:.2f} s")
             _print_matches(matches)
             if left_out:
                 typer.echo(f"left out, having other joints: {left_out}")

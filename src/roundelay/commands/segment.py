@@ -64,9 +64,9 @@ def segment(
     from roundelay.behaviours import with_periods
     from roundelay.segmentation import segment as cut
 
-    with one_line_errors():
+    with one_line_errors(capture):
         with progress_bar(quiet=json) as progress:
-            motion = read_capture(capture, skeleton)
+            motion, folder = read_capture(capture, skeleton), output_directory(output)
             found = cut(
                 motion,
                 method=method,  # type: ignore[arg-type]
@@ -75,7 +75,7 @@ def segment(
                 joints=None if joints is None else joints.split(","),
             )
             found = with_periods(found, motion, progress=progress)
-        record = _write(found, motion, capture, output_directory(output), split, picture)
+        record = _write(found, motion, capture, folder, split, picture)
         if json:
             print_json(record)
         else:

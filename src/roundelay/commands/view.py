@@ -47,7 +47,7 @@ def view(
     """
     from roundelay.files import written_beside
 
-    with one_line_errors():
+    with one_line_errors(capture):
         with progress_bar(quiet=False) as progress:
             motion = read_capture(capture, skeleton)
             text, note = _page(motion, search.resolved(motion), progress)

@@ -19,7 +19,7 @@ from roundelay.cycles.alignment import Criterion, align, mapped
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.harmonic import HarmonicCurve
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
+from roundelay.motion import Motion, checked_rate
 
 __all__ = ["CycleSpace", "blend", "transition"]
 
@@ -247,16 +247,18 @@ def transition(
     Raises
     ------
     ValueError
-        If a duration is negative or the transition takes longer than a minute.
+        If a duration is negative, the transition takes longer than a minute or what is around it
+        longer than an hour, or the frame rate is not positive, or beyond 10,000.
     SkeletonMismatch
         If the skeletons differ.
     """
-    if not 0.0 < seconds <= 60.0 or before < 0.0 or after < 0.0:
+    if not (0.0 < seconds <= 60.0 and 0.0 <= before <= 3600.0 and 0.0 <= after <= 3600.0):
         raise ValueError(
-            "expected a transition of up to 60 s and no negative durations, found "
-            f"{seconds:g}, {before:g} and {after:g}"
+            "expected no negative durations, a transition of up to 60 s and up to 3600 s before "
+            f"and after it, found {seconds:g}, {before:g} and {after:g}"
         )
-    space, rate = CycleSpace.of([first, second], by=by, mirror=mirror), fps or first.fps
+    rate = checked_rate(first.fps if fps is None else fps)
+    space = CycleSpace.of([first, second], by=by, mirror=mirror)
     time = np.arange(round((before + seconds + after) * rate) + 1) / rate
     share = np.clip((time - before) / seconds, 0.0, 1.0)
     share = share * share * (3.0 - 2.0 * share)

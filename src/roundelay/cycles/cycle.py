@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from roundelay.cycles.footlock import lock_feet
 from roundelay.cycles.harmonic import HarmonicCurve
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
+from roundelay.motion import Motion, checked_rate
 from roundelay.periodicity import Evidence
 from roundelay.skeleton import Skeleton
 
@@ -164,11 +164,9 @@ class Cycle:
         Raises
         ------
         ValueError
-            If `fps` or `periods` is not positive.
+            If `fps` or `periods` is not positive, or `fps` beyond 10,000.
         """
-        rate = self.fps if fps is None else fps
-        if not (np.isfinite(rate) and rate > 0.0):
-            raise ValueError(f"expected a positive frame rate, found {rate}")
+        rate = checked_rate(self.fps if fps is None else fps)
         if periods < 1:
             raise ValueError(f"expected at least one period, found {periods}")
         count = max(1, round(self.period * rate))

@@ -112,4 +112,6 @@ def _known(path: Path, formats: dict[str, _Known]) -> _Known:
         return formats[path.suffix.lower()]
     except KeyError:
         known = ", ".join(formats)
-        raise ValueError(f"expected a file of type {known}, found {path.name!r}") from None
+        raise ValueError(
+            f"expected a file of type {known}, found {path.name or str(path)!r}"
+        ) from None

@@ -70,7 +70,8 @@ class Library:
             record = json.loads(path.read_text(encoding="utf-8"))
             shelves = read_shelves(folder / SIGNATURES, record["written"])
         except (OSError, ValueError, KeyError, TypeError, BadZipFile) as error:
-            message = f"expected a folder made by roundelay library: {error}"
+            fault = error if path.exists() else f"no {path.name} in it"
+            message = f"expected a folder made by roundelay library, found {fault}"
             raise FormatError(message, path=folder) from None
         return cls(folder, record, tuple(shelves))
 

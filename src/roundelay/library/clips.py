@@ -19,7 +19,7 @@ from roundelay.formats import read, write
 from roundelay.formats.asf import find_skeleton
 from roundelay.library.spectra import Spectra
 from roundelay.library.store import Entry
-from roundelay.motion import Motion
+from roundelay.motion import Motion, checked_rate
 from roundelay.pipeline import find_cycles
 from roundelay.quality import quality
 from roundelay.records import cycle_record
@@ -64,8 +64,8 @@ class LoopOptions:
     file_format: str = "bvh"
 
     def __post_init__(self) -> None:
-        if self.fps is not None and not (isfinite(self.fps) and self.fps > 0.0):
-            raise ValueError(f"expected a positive frame rate, found {self.fps}")
+        if self.fps is not None:
+            checked_rate(self.fps)
         if self.file_format not in _FORMATS:
             raise ValueError(f"expected a format among {_FORMATS}, found {self.file_format!r}")
 

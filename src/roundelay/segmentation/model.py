@@ -80,7 +80,7 @@ class GaussianModel:
     @cached_property
     def correlation_time(self) -> float:
         """Frames after which a pose is as good as independent; see `_correlation_time`."""
-        return _correlation_time(self.points, round(_CORRELATION_WINDOW * self.fps))
+        return _correlation_time(self.points, max(1, round(_CORRELATION_WINDOW * self.fps)))
 
     @cached_property
     def penalty(self) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.cloud import TopologyOptions
-from roundelay.errors import NoPeriod
+from roundelay.errors import LiftError, NoPeriod
 from roundelay.excitation import Excitation, excitations
 from roundelay.parts import judged
 from roundelay.periodicity import Evidence
@@ -64,7 +64,11 @@ def find_gestures(
     step = max(1, round(fps / _RATE))
     taken = np.zeros(len(points), bool)
     found, refused = [], []
-    for excited in excitations(points[slice(*span)], fps, prime=options.prime).classes:
+    try:
+        classes = excitations(points[slice(*span)], fps, prime=options.prime).classes
+    except LiftError as error:
+        raise NoPeriod(f"no gesture recurs; {error}") from error
+    for excited in classes:
         runs = gesture_runs(excited, span)
         frames = [frame for run in runs for frame in range(*run)]
         if len(runs) < fewest or np.mean(taken[frames]) > 1.0 - _NEW:

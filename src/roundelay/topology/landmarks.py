@@ -105,7 +105,8 @@ def _columns_of(data: ArrayLike, metric: Metric) -> Columns:
         matrix = check_distances(data)
         return lambda indices: matrix[:, indices]
     rounded, unit = rounded_points(check_points(data))
-    rounded = np.pad(rounded, ((0, 0), (0, -rounded.shape[1] % 16)))
+    # As the engine wants them: else it would copy all points for every landmark.
+    rounded = np.ascontiguousarray(np.pad(rounded, ((0, 0), (0, -rounded.shape[1] % 16))))
     return lambda indices: in_unit(engine().distances(rounded, rounded[indices]), unit)
 
 

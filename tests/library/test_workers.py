@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import threading
 import time
 
 import pytest
@@ -19,6 +20,11 @@ def doubled(number: int) -> int:
     return 2 * number
 
 
+def last(number: int) -> int:
+    threading.Timer(0.1, os._exit, (1,)).start()
+    return number
+
+
 def slow(number: int) -> int:
     time.sleep(0.0 if number == 0 else 600.0)
     return number
@@ -27,6 +33,17 @@ def slow(number: int) -> int:
 def test_a_process_that_dies_costs_its_task_only():
     found = spread(doubled, [1, 2, 3, 4, 6, 7], 2, lost=lambda task: -task)
     assert sorted(found) == [-3, 2, 4, 8, 12, 14]
+
+
+def test_a_process_that_dies_between_tasks_costs_none():
+    results = []
+    for result in spread(last, [1, 2, 3, 4], 2, lost=lambda task: -task):
+        results.append(result)
+        if len(results) == 1:
+            # By then the other process has sent its result and is gone.
+            time.sleep(1.0)
+    assert sorted(map(abs, results)) == [1, 2, 3, 4]
+    assert {1, 2, 3} < set(results)
 
 
 def test_what_work_raises_is_raised():

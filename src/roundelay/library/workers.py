@@ -74,16 +74,20 @@ class _Worker(Generic[Task, Result]):
         with _one_thread_each():
             self.process.start()
         theirs.close()
-        self.alive = True
-        self.given(task)
+        self.alive = self._sent(task)
 
     def given(self, task: Task) -> _Worker[Task, Result]:
         """Return a worker that is at the task: this one, or another if it is dead."""
-        if not self.alive:
-            return _Worker(self.work, task)
+        return self if self.alive and self._sent(task) else _Worker(self.work, task)
+
+    def _sent(self, task: Task) -> bool:
+        """Send the task, and tell whether the process lives to get it."""
         self.task = task
-        self.pipe.send(task)
-        return self
+        try:
+            self.pipe.send(task)
+        except OSError:
+            return False
+        return True
 
     def result(self, lost: Callable[[Task], Result]) -> Result:
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import threading
 import time
 
@@ -23,6 +24,10 @@ def doubled(number: int) -> int:
 def last(number: int) -> int:
     threading.Timer(0.1, os._exit, (1,)).start()
     return number
+
+
+def blocked(_: int) -> bool:
+    return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
 def slow(number: int) -> int:
@@ -50,6 +55,13 @@ def test_what_work_raises_is_raised():
     with pytest.raises(OSError, match="No space left"):
         list(spread(doubled, [1, 5], 2, lost=lambda task: -task))
     assert multiprocessing.active_children() == []
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="Windows has no signal masks")
+def test_processes_begin_with_interrupts_blocked():
+    masks = spread(blocked, [1, 2], 2, lost=lambda task: False)
+    assert list(masks) == [True, True]
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
 def test_closing_ends_the_processes():

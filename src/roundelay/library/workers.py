@@ -71,7 +71,7 @@ class _Worker(Generic[Task, Result]):
         self.work = work
         self.pipe, theirs = context.Pipe()
         self.process = context.Process(target=_serve, args=(work, theirs), daemon=True)
-        with _one_thread_each():
+        with _one_thread_each(), _uninterrupted():
             self.process.start()
         theirs.close()
         self.alive = self._sent(task)
@@ -122,6 +122,19 @@ def _serve(work: Callable[[Task], Result], pipe: Connection) -> None:
 def _leave(*_: object) -> NoReturn:
     """End as by an exception, so that no half-written file stays."""
     sys.exit()
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Keep Ctrl-C from processes begun here before they know what to do with it."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -11,6 +11,7 @@ import pytest
 import roundelay as rl
 from roundelay import synth
 from roundelay.cycles.alignment import align, mirrored, shifted
+from roundelay.cycles.harmonic import HarmonicCurve
 from roundelay.geometry import rotations as rot
 from roundelay.poses import point_cloud
 
@@ -187,3 +188,30 @@ def test_bad_durations_are_refused(walk, run):
     for seconds, before in ((0.0, 1.0), (-1.0, 1.0), (61.0, 1.0), (0.5, -1.0), (0.5, 1e9)):
         with pytest.raises(ValueError, match="negative durations"):
             rl.transition(walk, run, seconds, before=before)
+
+
+def stretching(cycle: rl.Cycle) -> rl.Cycle:
+    """The same with bones a tenth longer at phase 1/4 and shorter at 3/4."""
+    offsets = cycle.skeleton.offsets.reshape(1, -1)
+    curve = HarmonicCurve(np.ones(1), offsets[0], 0.1 * offsets, 0.0 * offsets)
+    return replace(cycle, translations=curve)
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_bones_that_change_length_go_along(walk, run, both):
+    first, second = stretching(walk), stretching(run) if both else run
+    space = rl.CycleSpace.of([first, second])
+    phase = np.linspace(0, 1, 20)
+    for weights, cycle in zip(np.eye(2), space.cycles, strict=True):
+        assert np.allclose(poses(space.cycle(weights), phase), poses(cycle, phase))
+    made = rl.transition(first, second, 0.3, before=0.5, after=0.5, fps=60)
+    begun = np.arange(30) / (60 * walk.period)
+    assert np.allclose(point_cloud(made)[:30], poses(first, begun))
+    longest = np.linalg.norm(made.translations, axis=-1).max(axis=1)
+    assert np.abs(np.diff(longest)).max() < 0.03 * longest.max()
+    assert np.ptp(longest[-30:]) > 0.1 * longest.max() if both else np.ptp(longest[-30:]) < 1e-9
+
+
+def test_cycles_with_other_verticals_are_refused(walk):
+    with pytest.raises(ValueError, match="found Y and Z"):
+        rl.blend([walk, replace(walk, up=2)], [0.5, 0.5])

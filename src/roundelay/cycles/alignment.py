@@ -144,11 +144,15 @@ def align(
     SkeletonMismatch
         Naming the joints that only one of them has.
     ValueError
-        If the criterion is unknown.
+        If the criterion is unknown, or another axis points up in each.
     """
     if by not in get_args(Criterion):
         raise ValueError(f"expected by among {get_args(Criterion)}, found {by!r}")
     first.skeleton.require_same(second.skeleton)
+    if first.up != second.up:
+        raise ValueError(
+            f"expected one axis that points up, found {'XYZ'[first.up]} and {'XYZ'[second.up]}"
+        )
     tried = [(second, False)] + ([(mirrored(second), True)] if mirror else [])
     found = [_in_phase(first, candidate, by, swapped) for candidate, swapped in tried]
     return min(found, key=lambda alignment: alignment.distance)

@@ -20,6 +20,7 @@ from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.harmonic import HarmonicCurve
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion, checked_rate
+from roundelay.skeleton import Skeleton
 
 __all__ = ["CycleSpace", "blend", "transition"]
 
@@ -50,7 +51,8 @@ class CycleSpace:
         Raises
         ------
         ValueError
-            If there are none, or a joint makes whole turns in some of them only.
+            If there are none, a joint makes whole turns in some of them only, or not the same
+            axis points up in all.
         SkeletonMismatch
             If their skeletons differ, naming the joints.
         """
@@ -75,7 +77,6 @@ class CycleSpace:
         offsets = np.einsum("k,kjc->jc", w, [c.skeleton.offsets for c in self.cycles])
         periods = [cycle.period for cycle in self.cycles]
         turns = [cycle.odd_pose for cycle in self.cycles]
-        moved = [cycle.translations for cycle in self.cycles]
         return replace(
             first,
             skeleton=replace(first.skeleton, offsets=offsets),
@@ -85,7 +86,7 @@ class CycleSpace:
             velocity=_combined([cycle.velocity for cycle in self.cycles], w),
             height=_combined([cycle.height for cycle in self.cycles], w),
             turning=float(w @ [cycle.turning for cycle in self.cycles]),
-            translations=_combined([c for c in moved if c is not None], w) if all(moved) else None,
+            translations=_combined(self._translations, w) if self._translations else None,
             evidence=None,
         )
 
@@ -101,6 +102,13 @@ class CycleSpace:
         waves = np.hstack([np.sin(angle), np.cos(angle), np.ones((len(x), 1))])
         total = np.reshape(w[:, :, None] * waves[:, None], (len(x), -1)) @ table
         return rot.normalize(total.reshape(len(x), -1, 4))
+
+    @cached_property
+    def _translations(self) -> list[HarmonicCurve]:
+        """Local positions of the cycles' joints; empty if no bone of any changes its length."""
+        if all(cycle.translations is None for cycle in self.cycles):
+            return []
+        return [cycle.translations or _resting(cycle.skeleton) for cycle in self.cycles]
 
     @cached_property
     def _table(self) -> tuple[Array, Array]:
@@ -144,6 +152,13 @@ class CycleSpace:
         if len(values) > 1:
             weights[order[before + 1]] = place - before
         return weights
+
+
+def _resting(skeleton: Skeleton) -> HarmonicCurve:
+    """Return the offsets of joints as a curve that does not move."""
+    offsets = skeleton.offsets.reshape(-1)
+    none = np.zeros((0, len(offsets)))
+    return HarmonicCurve(np.zeros(0), offsets, none, none)
 
 
 def _parameter(cycle: Cycle, by: str) -> float:
@@ -224,7 +239,8 @@ def transition(
     """Go from one cycle to another while the phase runs on ([A] 4.5).
 
     The weight eases from 0 to 1; period, turning and velocity are those of the blend at each
-    moment, and the root's path is their integral, so that nothing jumps.
+    moment, and the root's path is their integral, so that nothing jumps. The skeleton is the
+    first cycle's.
 
     Parameters
     ----------
@@ -277,8 +293,10 @@ def transition(
     path[:, one.up] += height
     rotations = space.rotations(weights, phase)
     rotations[:, 0] = rot.multiply(heading_turn, rotations[:, 0])
+    curves = [curve(phase) for curve in space._translations]
+    moved = np.einsum("fk,kfd->fd", weights, curves).reshape(len(phase), -1, 3) if curves else None
     name = f"{one.name} to {two.name}"
-    return Motion(one.skeleton, rotations, path, 1.0 / rate, name=name, up=one.up)
+    return Motion(one.skeleton, rotations, path, 1.0 / rate, moved, name=name, up=one.up)
 
 
 def _running(rates: Array) -> Array:

@@ -47,6 +47,13 @@ def test_an_interrupted_file_is_not_there(tmp_path):
     assert list(tmp_path.iterdir()) == [target]
 
 
+def test_a_file_that_cannot_be_written_is_named_by_its_own_name(tmp_path):
+    target = tmp_path / "missing" / "result.json"
+    with pytest.raises(FileNotFoundError) as raised, written_beside(target) as part:
+        part.write_text("whole")
+    assert raised.value.filename == str(target)
+
+
 def test_format_errors_tell_the_place():
     assert str(FormatError("expected x", path="a.bvh", line=3, column=7)) == "a.bvh:3:7: expected x"
     assert str(FormatError("expected x")) == "expected x"

@@ -192,3 +192,10 @@ def test_inspect_lists_the_classes_and_a_class_carries_into_loop(walk, tmp_path)
     cycle = json.loads(again.stdout)["cycles"][0]
     assert cycle["scale"] == pytest.approx(middle)
     assert cycle["barcode"][0] == pytest.approx([first["birth"], first["death"]], abs=1e-5)
+
+
+def test_python_runs_the_command_line_as_a_module():
+    shown = subprocess.run(
+        [sys.executable, "-m", "roundelay", "--version"], capture_output=True, text=True, check=True
+    )
+    assert shown.stdout == f"roundelay {rl.__version__}\n"

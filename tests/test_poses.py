@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from roundelay import synth
+from roundelay.errors import SkeletonMismatch
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion
 from roundelay.poses import (
@@ -52,7 +53,7 @@ def test_weights_and_joints(walk):
 def test_bad_features_and_no_joints(walk):
     with pytest.raises(ValueError, match="expected features among"):
         point_cloud(walk, "shape")
-    with pytest.raises(ValueError, match="at least one joint"):
+    with pytest.raises(SkeletonMismatch, match="at least one joint"):
         point_cloud(walk, joints=[0])
 
 

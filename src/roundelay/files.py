@@ -18,7 +18,7 @@ def written_beside(path: Path) -> Iterator[Path]:
     Raises
     ------
     OSError
-        If the file cannot be renamed, or `path` is a folder.
+        If the file cannot be written or renamed, or `path` is a folder.
     """
     if path.is_dir():
         raise IsADirectoryError(EISDIR, "expected a file, found a folder", str(path))
@@ -27,5 +27,9 @@ def written_beside(path: Path) -> Iterator[Path]:
     try:
         yield part
         os.replace(part, path)
+    except OSError as error:
+        if error.filename is not None and Path(error.filename) == part:
+            error.filename = str(path)  # the name that the caller knows
+        raise
     finally:
         part.unlink(missing_ok=True)

@@ -14,6 +14,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.errors import SkeletonMismatch
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics, heading
 from roundelay.motion import Motion
@@ -65,7 +66,9 @@ def point_cloud(
     Raises
     ------
     ValueError
-        If `features` is unknown or no joint is left.
+        If `features` is unknown.
+    SkeletonMismatch
+        If no joint is left.
     """
     if features not in get_args(Features):
         raise ValueError(f"expected features among {get_args(Features)}, found {features!r}")
@@ -75,7 +78,7 @@ def point_cloud(
     chosen = np.arange(motion.skeleton.n_joints) if joints is None else np.asarray(joints)
     chosen = chosen[chosen != 0]
     if len(chosen) == 0:
-        raise ValueError("expected at least one joint besides the root")
+        raise SkeletonMismatch("expected at least one joint besides the root, found none")
     points = values[:, chosen].reshape(len(motion), -1)
     return np.hstack([points, first_differences(motion)]) if differences else points
 

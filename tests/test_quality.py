@@ -1,6 +1,7 @@
 """Figures of a cycle: zero where nothing is wrong, growing with what is."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from roundelay import find_cycles, synth
 from roundelay.likeness import lay, npss, rmse
 from roundelay.quality import jerk, quality
+from roundelay.records import cycle_record, write_json
 
 
 @pytest.fixture(scope="module")
@@ -66,3 +68,22 @@ def test_npss_compares_frequencies() -> None:
 def test_jerk_of_a_cubic_is_exact() -> None:
     time = np.arange(20) / 30.0
     assert np.allclose(jerk(np.column_stack([time**3, time**2]), 30.0), [6.0, 0.0], atol=1e-6)
+
+
+@pytest.mark.parametrize("frames", [1, 2, 5])
+def test_a_run_too_short_for_derivatives_changes_no_other(walk: synth.Synthetic, frames) -> None:
+    (cycle,) = find_cycles(walk.motion)
+    ((start, stop),) = cycle.evidence.runs
+    runs = ((start, stop - frames), (stop - frames, stop))
+    parted = dataclasses.replace(cycle, evidence=dataclasses.replace(cycle.evidence, runs=runs))
+    figures = quality(parted, walk.motion)
+    assert figures.capture_jerk == pytest.approx(quality(cycle, walk.motion).capture_jerk, rel=0.05)
+
+
+def test_what_cannot_be_measured_is_null_in_the_record(walk: synth.Synthetic, tmp_path) -> None:
+    (cycle,) = find_cycles(walk.motion)
+    figures = dataclasses.replace(quality(cycle, walk.motion), capture_jerk=float("nan"))
+    write_json(cycle_record(cycle, figures), tmp_path / "walk.json")
+    record = json.loads((tmp_path / "walk.json").read_text())
+    assert record["quality"]["capture_jerk"] is None
+    assert record["quality"]["coverage"] == 1.0

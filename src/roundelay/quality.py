@@ -125,8 +125,8 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
         step_rotation=float(steps[1:].max(initial=0.0)),
         seam_velocity=float(velocity_changes(around, motion.fps).max()),
         capture_velocity=float(np.percentile(changes, 95)),
-        loop_jerk=_mean_jerk(np.concatenate([places, places[:6]]), motion.fps),
-        capture_jerk=float(np.mean([_mean_jerk(source[a:b], motion.fps) for a, b in runs])),
+        loop_jerk=_mean_jerk(np.concatenate([places, places[:6]]), fps=motion.fps),
+        capture_jerk=_mean_jerk(*[source[a:b] for a, b in runs], fps=motion.fps),
         template_error=template,
         repetitions=cycle.evidence.repetitions,
         frames=sum(b - a for a, b in runs),
@@ -194,14 +194,15 @@ def jerk(values: ArrayLike, fps: float) -> Array:
     return np.asarray(windows @ _JERK * fps**3)
 
 
-def _mean_jerk(points: Array, fps: float) -> float:
-    if len(points) < 7:
-        return float("nan")
-    joints = jerk(points, fps).reshape(len(points) - 6, -1, 3)
-    return float(np.linalg.norm(joints, axis=-1).mean())
+def _mean_jerk(*runs: Array, fps: float) -> float:
+    """Return the mean over runs (n, 3 J) that are long enough; NaN if none is."""
+    joints = [jerk(run, fps).reshape(len(run) - 6, -1, 3) for run in runs if len(run) > 6]
+    means = [np.linalg.norm(one, axis=-1).mean() for one in joints]
+    return float(np.mean(means)) if means else float("nan")
 
 
 def velocity_changes(points: Array, fps: float) -> Array:
     """Return RMS over joints of how much velocity changes at each inner frame."""
-    change = np.diff(points, n=2, axis=0).reshape(len(points) - 2, -1, 3) * fps
-    return np.asarray(np.sqrt(np.mean(np.sum(change**2, axis=-1), axis=-1)))
+    change = np.diff(points, n=2, axis=0) * fps
+    # Of three values a joint.
+    return np.asarray(np.sqrt(3.0 * np.mean(change**2, axis=1)))

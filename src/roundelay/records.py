@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,7 @@ def cycle_record(cycle: Cycle, figures: Quality, files: Sequence[Path] = ()) -> 
         "period_frames": cycle.period * cycle.fps,
         "travel": cycle.travel.tolist(),
         "turning_degrees": float(np.degrees(cycle.turning)),
-        "quality": asdict(figures),
+        "quality": {name: _finite(value) for name, value in asdict(figures).items()},
         "files": [path.name for path in files],
     }
     return record | ({} if cycle.evidence is None else evidence_record(cycle.evidence))
@@ -73,7 +74,7 @@ def evidence_record(evidence: Evidence) -> dict[str, Any]:
         "parts": [list(run) for run in evidence.runs],
         "repetitions": evidence.repetitions,
         "confidence": evidence.confidence,
-        "prominence": evidence.prominence if np.isfinite(evidence.prominence) else None,
+        "prominence": _finite(evidence.prominence),
         "steadiness": evidence.steadiness,
         "class": evidence.coordinate.class_index,
         "companions": list(evidence.companions),
@@ -82,6 +83,11 @@ def evidence_record(evidence: Evidence) -> dict[str, Any]:
         "barcode": _bars(evidence.barcode),
         "turns": [np.round(values, 5).tolist() for values in inside],
     }
+
+
+def _finite(value: float) -> float | None:
+    """Return a number, or None for one that JSON does not know."""
+    return value if isfinite(value) else None
 
 
 def _bars(barcode: Barcode) -> list[list[float]]:

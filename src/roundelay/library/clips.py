@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -218,11 +217,6 @@ def _described(cycle: Cycle, motion: Motion) -> dict[str, Any]:
     """Describe a cycle as `roundelay loop` does, more briefly, with its mean speed."""
     full = cycle_record(cycle, quality(cycle, motion))
     speed = float(np.linalg.norm(cycle.velocity.constant)) / cycle.period
-    figures = {name: _finite(value) for name, value in full["quality"].items()}
     kept = {key: value for key, value in full.items() if key not in _LEFT_OUT}
     sizes = speed / motion.skeleton.size
-    return kept | {"speed": speed, "speed_in_sizes": sizes, "quality": figures}
-
-
-def _finite(value: float) -> float | None:
-    return value if isfinite(value) else None
+    return kept | {"speed": speed, "speed_in_sizes": sizes}

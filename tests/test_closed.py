@@ -3,9 +3,18 @@
 import numpy as np
 import pytest
 
-from roundelay import NoPeriod, Options, TooShort, find_cycles, synth
+from roundelay import (
+    LiftError,
+    NoPeriod,
+    Options,
+    TooShort,
+    TopologyOptions,
+    find_cycles,
+    synth,
+)
 from roundelay.geometry import rotations as rot
 from roundelay.motion import Motion
+from roundelay.poses import Array, point_cloud
 
 
 def seam_and_steps(loop: Motion) -> tuple[float, float]:
@@ -66,3 +75,33 @@ def test_arms_decide_where_other_joints_do_not_repeat() -> None:
     assert cycle.period == pytest.approx(made.period, rel=0.03)
     with pytest.raises(NoPeriod):
         find_cycles(wandering)
+
+
+def test_a_closed_capture_has_the_classes_that_it_has() -> None:
+    made = synth.gait("walk", repetitions=2.0, period=1.0)
+    with pytest.raises(NoPeriod, match="none of them class 999"):
+        find_cycles(made.motion[:120], Options(topology=TopologyOptions(class_index=999)))
+
+
+def test_a_class_that_cannot_be_lifted_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unliftable(*_: object, **__: object) -> None:
+        raise LiftError("class 0 lifts to no integer cocycle")
+
+    monkeypatch.setattr("roundelay.periodicity.circular_coordinate", unliftable)
+    made = synth.gait("walk", repetitions=2.0, period=1.0).motion
+    for motion in (made, made[:120]):
+        with pytest.raises(NoPeriod, match="lifts to no integer cocycle"):
+            find_cycles(motion, Options(gestures=False))
+
+
+def test_arms_alone_are_weighed_as_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = []
+
+    def watched(motion: Motion, *args: object, weights: object = None, **others: object) -> Array:
+        seen.append(weights is not None)
+        return point_cloud(motion, *args, weights=weights, **others)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("roundelay.pipeline.point_cloud", watched)
+    with pytest.raises(NoPeriod):
+        find_cycles(synth.wander(8.0).motion, Options(weights="length", gestures=False))
+    assert seen == [True, True]

@@ -113,6 +113,8 @@ def test_frames_and_joints_may_be_chosen(jumps):
         (rl.Options(frames=(0, 10**6)), ValueError),
         (rl.Options(joints=("Tail",)), rl.SkeletonMismatch),
         (rl.Options(features="shape"), ValueError),
+        (rl.Options(harmonics=0), ValueError),
+        (rl.Options(most=-1), ValueError),
         (rl.Options(topology=rl.TopologyOptions(prime=48)), ValueError),
     ],
 )

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.cloud import TopologyOptions, make_cloud
-from roundelay.coordinate import circular_coordinate
 from roundelay.errors import NoPeriod
-from roundelay.periodicity import Evidence
+from roundelay.periodicity import Evidence, class_coordinate
 from roundelay.timing import Run
 
 __all__ = ["closed_capture"]
@@ -65,9 +64,7 @@ def closed_capture(
         wide = f"{width / gap:.1f} times as wide as the gap between its ends"
         raise NoPeriod(f"its loop is {wide}, not {_WIDER:g}")
     cloud = make_cloud(points, [run], float(len(poses)), step, options)
-    if len(cloud.barcode) == 0:
-        raise NoPeriod("the poses form no loop", cloud.barcode)
-    coordinate = circular_coordinate(cloud.barcode, k=options.class_index or 0)
+    coordinate = class_coordinate(cloud, options.class_index or 0, options.scale)
     # The way from the last frame to the first takes its share of a frame: none if it repeats it.
     period = len(poses) - 1 + min(1.0, gap / max(0.5 * float(steps[0] + steps[-1]), 1e-12))
     turns = np.full(len(points), np.nan)

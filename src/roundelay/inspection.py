@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from roundelay.errors import LiftError, NoPeriod
+from roundelay.errors import NoPeriod
 from roundelay.motion import Motion
 from roundelay.periodicity import Evidence, follow
 from roundelay.pipeline import Options, find_periodic
@@ -110,5 +110,5 @@ def _followed(evidence: Evidence, index: int, frames: int) -> tuple[Evidence | N
         return None, "the points are not at hand"
     try:
         return follow(evidence.cloud, index, n_frames=frames), ""
-    except (NoPeriod, LiftError) as error:
+    except NoPeriod as error:
         return None, str(error)

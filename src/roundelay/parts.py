@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from roundelay.cloud import TopologyOptions
 from roundelay.detection import Part, candidate_parts, recurring_groups
-from roundelay.errors import LiftError, NoPeriod, TooShort
+from roundelay.errors import NoPeriod, TooShort
 from roundelay.periodicity import Evidence, disagreement, measure, without_pauses
 from roundelay.progress import Progress, report
 from roundelay.timing import Run
@@ -114,7 +114,7 @@ def judged(
         if cut and tuple(cut) != evidence.runs:
             again = measure(points, cut, evidence.period, step, options)
             evidence = again if again.objection(searched, chosen=by_hand) is None else evidence
-    except (LiftError, TooShort) as error:
+    except TooShort as error:
         raise NoPeriod(str(error)) from error
     objection = evidence.objection(searched, chosen=by_hand)
     if objection is None and not by_hand and disagreement(points, evidence) >= _APART:

@@ -20,7 +20,15 @@ from roundelay.errors import LiftError, NoPeriod, TooShort
 from roundelay.timing import Run, phase_map, return_period, unwrap
 from roundelay.topology.rips import Barcode
 
-__all__ = ["Evidence", "disagreement", "follow", "measure", "turns_of", "without_pauses"]
+__all__ = [
+    "Evidence",
+    "class_coordinate",
+    "disagreement",
+    "follow",
+    "measure",
+    "turns_of",
+    "without_pauses",
+]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -167,7 +175,7 @@ def _companions(evidence: Evidence, cloud: PoseCloud) -> Iterator[int]:
     for other in np.flatnonzero(lengths > lengths[own] / _NEARLY).tolist():
         if other == own:
             continue
-        with suppress(NoPeriod, LiftError):
+        with suppress(NoPeriod):
             along = follow(cloud, other, n_frames=len(evidence.turns))
             if along.net * _NEARLY > evidence.net and along.steadiness >= _STEADY:
                 yield other
@@ -195,14 +203,9 @@ def follow(
     Raises
     ------
     NoPeriod
-        If there is no such class, or its coordinate makes no turn.
+        If there is no such class, it lifts to no integer cocycle, or its coordinate makes no turn.
     """
-    if len(cloud.barcode) <= class_index:
-        absent = f", none of them class {class_index}" if class_index else ""
-        raise NoPeriod(f"the poses form {len(cloud.barcode)} loops{absent}", cloud.barcode)
-    coordinate = circular_coordinate(
-        cloud.barcode, k=class_index, scale=scale, runs=cloud.landmark_runs
-    )
+    coordinate = class_coordinate(cloud, class_index, scale)
     spread, turns = turns_of(cloud, coordinate, n_frames)
     moved = np.concatenate([np.diff(turns[a:b]) for a, b in cloud.local])
     net, total = float(moved.sum()), float(np.abs(moved).sum())
@@ -211,6 +214,26 @@ def follow(
     except TooShort as error:
         raise NoPeriod(str(error), cloud.barcode) from None
     return Evidence(cloud.runs, spread, period, cloud.barcode, coordinate, net, total, cloud=cloud)
+
+
+def class_coordinate(
+    cloud: PoseCloud, class_index: int, scale: float | None = None
+) -> CircularCoordinate:
+    """Return the circular coordinate of one class of a cloud; arguments as for `follow`.
+
+    Raises
+    ------
+    NoPeriod
+        If there is no such class, or it lifts to no integer cocycle.
+    """
+    barcode = cloud.barcode
+    if len(barcode) <= class_index:
+        absent = f", none of them class {class_index}" if class_index else ""
+        raise NoPeriod(f"the poses form {len(barcode)} loops{absent}", barcode)
+    try:
+        return circular_coordinate(barcode, k=class_index, scale=scale, runs=cloud.landmark_runs)
+    except LiftError as error:
+        raise NoPeriod(str(error), barcode) from error
 
 
 def turns_of(

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -133,7 +133,6 @@ def find_cycles(
         If `progress` returned False.
     """
     options, motion = options or Options(), motion.with_root_motion()
-    _check_method(options)
     found, points = _searched(motion, options, progress)
     cycles, refused = [], []
     for number, evidence in enumerate(found):
@@ -170,8 +169,11 @@ def make_cycle(
     ------
     TooShort
         If the runs hold no whole period.
+    ValueError
+        If an option is out of range.
     """
     options, motion = options or Options(), motion.with_root_motion()
+    _check(options)
     points, phase = _points(motion, options) if points is None else points, evidence.turns
     if not evidence.closed:
         phase = time_phase(points, phase, evidence.runs, frame_time=motion.frame_time)
@@ -189,7 +191,10 @@ def make_cycle(
     return cycle
 
 
-def _check_method(options: Options) -> None:
+def _check(options: Options) -> None:
+    for what, count in (("harmonic", options.harmonics), ("cycle", options.most)):
+        if count is not None and count < 1:
+            raise ValueError(f"expected at least one {what}, found {count}")
     if options.method not in get_args(Method):
         raise ValueError(f"expected a method among {get_args(Method)}, found {options.method!r}")
     if options.method != "paper" and not (options.velocity and options.acceleration):
@@ -213,6 +218,7 @@ def _searched(
 
     Where all joints together show no period, the arms alone may; else what recurs now and then.
     """
+    _check(options)
     points = _points(motion, options)
     span = _frames(motion, points, options.frames)
     if np.ptp(points[slice(*span)], axis=0).max() < _STILL:
@@ -262,7 +268,8 @@ def _in_arms(
     if options.joints is not None or not limbs:
         raise NoPeriod("there are no arms to look at alone")
     report(progress, 0.5, "looking at the arms alone")
-    points = point_cloud(motion, options.features, joints=limbs)
+    arms = [motion.skeleton.names[joint] for joint in limbs]
+    points = _points(motion, replace(options, joints=arms))
     found = _periods(points, motion.fps, span, options, None)
     sure = [e for e in found if not e.closed and e.prominence >= _PROMINENT_ARMS]
     if not sure:

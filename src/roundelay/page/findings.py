@@ -9,17 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.coordinate import circular_coordinate
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.tempo import time_phase
-from roundelay.errors import LiftError, NoPeriod
+from roundelay.errors import NoPeriod
 from roundelay.figures.space import Space
 from roundelay.motion import Motion
 from roundelay.page.capture import sampling_step
 from roundelay.page.feet import loop_feet
 from roundelay.page.packing import Packer
 from roundelay.page.table import quality_rows
-from roundelay.periodicity import Evidence, turns_of
+from roundelay.periodicity import Evidence, class_coordinate, turns_of
 from roundelay.poses import point_cloud
 from roundelay.quality import quality
 from roundelay.topology.rips import Barcode
@@ -127,8 +126,8 @@ def _turns(evidence: Evidence, number: int) -> Array | None:
     if cloud is None:
         return None
     try:
-        coordinate = circular_coordinate(cloud.barcode, k=number, runs=cloud.landmark_runs)
-    except LiftError:
+        coordinate = class_coordinate(cloud, number)
+    except NoPeriod:
         return None
     return turns_of(cloud, coordinate, len(evidence.turns))[0]
 

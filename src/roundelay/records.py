@@ -27,7 +27,7 @@ __all__ = ["capture_record", "cycle_record", "evidence_record", "refusal_record"
 _MOST_BARS = 100
 
 
-def capture_record(motion: Motion, path: Path, options: Options) -> dict[str, Any]:
+def capture_record(motion: Motion, path: Path, options: Options | dict[str, Any]) -> dict[str, Any]:
     """Describe the capture, the options and the version that read it."""
     return {
         "roundelay": __version__,
@@ -39,7 +39,7 @@ def capture_record(motion: Motion, path: Path, options: Options) -> dict[str, An
             "joints": motion.skeleton.n_joints,
             "up": "XYZ"[motion.up],
         },
-        "options": asdict(options),
+        "options": options if isinstance(options, dict) else asdict(options),
     }
 
 

@@ -30,6 +30,7 @@ __all__ = [
     "frame_range",
     "one_line_errors",
     "output_directory",
+    "print_capture",
     "print_json",
     "progress_bar",
     "read_capture",
@@ -154,6 +155,14 @@ def progress_bar(quiet: bool) -> Iterator[Progress | None]:
     with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("reading", total=1.0)
         yield lambda fraction, stage: bar.update(task, completed=fraction, description=stage)
+
+
+def print_capture(capture: dict[str, Any]) -> None:
+    """Say what was read, from the record of a capture."""
+    typer.echo(
+        f"{capture['file']}: {capture['frames']} frames at {capture['fps']:.4g} fps, "
+        f"{capture['seconds']:.1f} s, {capture['joints']} joints"
+    )
 
 
 def print_json(record: dict[str, Any]) -> None:

@@ -16,6 +16,7 @@ from roundelay.commands.common import (
     frame_range,
     one_line_errors,
     output_directory,
+    print_capture,
     print_json,
     read_capture,
 )
@@ -60,6 +61,7 @@ def excitations(
     """
     from roundelay.excitation import excitations as find_excitations
     from roundelay.poses import point_cloud
+    from roundelay.records import capture_record, write_json
 
     with one_line_errors(capture):
         motion = read_capture(capture, skeleton).with_root_motion()
@@ -74,14 +76,18 @@ def excitations(
             classes=classes,
             prime=prime,
         )
-        record = {
-            "capture": {"file": capture.name, "frames": len(motion), "fps": motion.fps},
+        options = {
+            "joints": None if joints is None else joints.split(","),
+            "metric": metric,
+            "poses": poses,
+            "classes": classes,
+            "prime": prime,
+        }
+        record = capture_record(motion, capture, options) | {
             "frames": [first, last],
             "bars": len(found.barcode),
             "classes": [_class(one, first) for one in found.classes],
         }
-        from roundelay.records import write_json
-
         write_json(record, folder / f"{capture.stem}_excitations.json")
         if picture:
             from roundelay import figures
@@ -112,18 +118,20 @@ def _class(one: Excitation, first: int) -> dict[str, Any]:
 
 
 def _print_table(record: dict[str, Any]) -> None:
+    print_capture(record["capture"])
     first, last = record["frames"]
+    outstanding = " stand out" if record["options"]["classes"] is None else ""
     typer.echo(
-        f"{record['capture']['file']}: {len(record['classes'])} of {record['bars']} classes "
-        f"stand out in frames {first}-{last}"
+        f"  {len(record['classes'])} of {record['bars']} classes{outstanding} "
+        f"in frames {first}-{last}"
     )
-    typer.echo("class   birth   death        p  regions (turns)")
+    typer.echo("  class   birth   death        p  regions (turns)")
     for one in record["classes"]:
         regions = ", ".join(
-            f"{region['frames'][0]}-{region['frames'][1]} ({region['net_turns']:.1f})"
+            f"{region['frames'][0]}-{region['frames'][1]} ({region['net_turns']:z.1f})"
             for region in one["regions"]
         )
         typer.echo(
-            f"{one['class']:5d}{one['birth']:8.3f}{one['death']:8.3f}{one['p_value']:9.1e}"
+            f"{one['class']:7d}{one['birth']:8.3f}{one['death']:8.3f}{one['p_value']:9.1e}"
             f"  {regions or '-'}"
         )

@@ -14,6 +14,7 @@ from roundelay.commands.common import (
     Skeleton,
     one_line_errors,
     output_directory,
+    print_capture,
     print_json,
     progress_bar,
     read_capture,
@@ -62,6 +63,7 @@ def inspect(
         if json:
             print_json(record)
         else:
+            print_capture(record["capture"])
             for number, item in enumerate(found, 1):
                 _print_table(number, item, motion.fps)
 
@@ -93,7 +95,7 @@ def _record(motion: Any, capture: Path, options: Any, found: list[Inspection]) -
 def _print_table(number: int, item: Inspection, fps: float) -> None:
     parts = ", ".join(f"{start}-{stop}" for start, stop in item.evidence.runs)
     typer.echo(
-        f"motion {number}: frames {parts}" + (f" ({item.objection})" if item.objection else "")
+        f"  motion {number}: frames {parts}" + (f" ({item.objection})" if item.objection else "")
     )
     heading = ("class", "birth", "death", "p", "turns", "forward", "period s", "scale")
     typer.echo("  " + "".join(f"{title:>10}" for title in heading))

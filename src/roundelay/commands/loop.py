@@ -15,6 +15,7 @@ from roundelay.commands.common import (
     Skeleton,
     one_line_errors,
     output_directory,
+    print_capture,
     print_json,
     progress_bar,
     read_capture,
@@ -216,11 +217,7 @@ def _animate(record: dict[str, Any], cycles: list[Cycle], folder: Path) -> None:
 
 
 def _print_summary(record: dict[str, Any], folder: Path) -> None:
-    capture = record["capture"]
-    typer.echo(
-        f"{capture['file']}: {capture['frames']} frames at {capture['fps']:.4g} fps, "
-        f"{capture['seconds']:.1f} s, {capture['joints']} joints"
-    )
+    print_capture(record["capture"])
     for number, cycle in enumerate(record["cycles"], 1):
         parts = ", ".join(f"{start}-{stop}" for start, stop in cycle["parts"])
         figures = cycle["quality"]

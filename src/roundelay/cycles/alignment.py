@@ -147,7 +147,7 @@ def align(
         If the criterion is unknown, or another axis points up in each.
     """
     if by not in get_args(Criterion):
-        raise ValueError(f"expected by among {get_args(Criterion)}, found {by!r}")
+        raise ValueError(f"expected to align by one of {get_args(Criterion)}, found {by!r}")
     first.skeleton.require_same(second.skeleton)
     if first.up != second.up:
         raise ValueError(

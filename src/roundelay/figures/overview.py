@@ -109,7 +109,7 @@ def overview(motion: Motion, cycles: list[Cycle]) -> Figure:
             colours[cycle.evidence.coordinate.class_index] = ACCENT
             barcode(row[0], cycle.evidence.barcode, colours)
             coordinate(row[1], cycle.evidence, motion)
-            found = f"{cycle.evidence.repetitions:.2f} turns, period {cycle.period:.2f} s"
+            found = f"{cycle.evidence.repetitions:.2f} periods of {cycle.period:.2f} s"
             dress(row[1], f"circular coordinate: {found}", x="time (s)", y="turns")
         plane(row[2], cycle, motion)
     figure.suptitle(motion.name)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -85,6 +87,30 @@ def test_long_clouds_are_thinned_to_landmarks():
     cloud = make_cloud(points, [(0, len(points))], 132.0, 2, rl.TopologyOptions())
     assert cloud.barcode.n_points <= 500 < len(cloud.frames)
     assert cloud.landmark_runs == [(0, cloud.barcode.n_points)]
+
+
+def test_delays_are_those_of_following_frames():
+    points = np.random.default_rng(0).normal(size=(60, 3))
+    cloud = make_cloud(points, [(0, 20), (20, 26), (30, 60)], 12.0, 1, rl.TopologyOptions(delays=2))
+    assert cloud.runs == ((0, 20), (30, 60))
+    assert cloud.local == [(0, 14), (14, 38)]
+    for place, frame in [(0, 0), (13, 13), (14, 30), (37, 53)]:
+        expected = points[[frame, frame + 3, frame + 6]].ravel() / np.sqrt(3)
+        assert np.allclose(cloud.data[place], expected)
+    with pytest.raises(rl.TooShort):
+        make_cloud(points, [(0, 6)], 12.0, 1, rl.TopologyOptions(delays=2))
+
+
+@pytest.mark.parametrize("options", [{"delays": 4}, {"metric": "adjacent"}])
+def test_long_captures_fit_in_memory(options):
+    turns = 2 * np.pi * np.arange(6000) / 97.3
+    circle = np.column_stack([np.cos(turns), np.sin(turns)])
+    tracemalloc.start()
+    cloud = make_cloud(circle, [(0, 6000)], 97.3, 1, rl.TopologyOptions(**options))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(cloud.barcode) >= 1
+    assert peak < 8 * 6000**2 / 4, "no distances of all frames"
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from roundelay.coordinate import CircularCoordinate
 from roundelay.poses import principal_components, with_velocity
 from roundelay.timing import Run
-from roundelay.topology.distances import delay_distances
+from roundelay.topology.distances import Metric, cross_distances, pairwise_distances
 from roundelay.topology.landmarks import choose_landmarks
 from roundelay.topology.rips import Barcode, persistent_cohomology
 
@@ -25,7 +25,6 @@ __all__ = ["PoseCloud", "PoseMetric", "TopologyOptions", "make_cloud", "variance
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 PoseMetric = Literal["euclidean", "variance", "adjacent"]
-_Metric = Literal["euclidean", "precomputed"]
 
 # More points than this are thinned to landmarks, chosen from a pool of at most so many; exact
 # topology of them takes about 20 ms.
@@ -142,14 +141,21 @@ def make_cloud(
     thin = [np.arange(start, stop, step) for start, stop in runs]
     frames, local = np.concatenate(thin), _bounds([len(part) for part in thin])
     poses = _scaled(points[frames], options)
-    if options.delays is not None:
-        return _delayed(poses, runs, frames, local, period / step, options)
-    weighing = period / step if options.delay is None else 2 * np.pi * options.delay / step
-    cloud = with_velocity(poses, local, weighing)
+    if options.delays is None:
+        delay = period / (2 * np.pi) if options.delay is None else options.delay
+        cloud = with_velocity(poses, local, 2 * np.pi * delay / step)
+    else:
+        cloud, begins = _delayed(poses, local, period / step, options.delays)
+        runs = [run for run, own in zip(runs, begins, strict=True) if len(own)]
+        frames = frames[np.concatenate(begins)]
+        local = _bounds([len(own) for own in begins if len(own)])
+    landmarks = _landmarks(cloud)
+    near = cloud[landmarks]
     if options.metric == "adjacent":
-        return _from_distances(_distances(cloud), runs, frames, local, options)
-    landmarks = _landmarks(cloud, "euclidean")
-    barcode = _barcode(cloud[landmarks], "euclidean", options)
+        barcode = _barcode(_adjacent(near, _runs_of(landmarks, local)), "precomputed", options)
+        cloud = np.asarray(cross_distances(cloud, near), float)
+    else:
+        barcode = _barcode(near, "euclidean", options)
     return PoseCloud(tuple(runs), frames, local, cloud, landmarks, barcode)
 
 
@@ -171,26 +177,25 @@ def _check(options: TopologyOptions) -> None:
         )
 
 
-def _barcode(data: Array, metric: _Metric, options: TopologyOptions) -> Barcode:
+def _barcode(data: NDArray[np.floating], metric: Metric, options: TopologyOptions) -> Barcode:
     barcode = persistent_cohomology(data, metric=metric, prime=options.prime)
     return barcode if options.max_scale is None else barcode.up_to(options.max_scale)
 
 
-def _landmarks(data: NDArray[np.floating], metric: _Metric) -> Indices:
+def _landmarks(points: Array) -> Indices:
     """Choose landmarks among points: those far from each other, that no quick move be missed.
 
     They are chosen from a pool with one of each few neighbours, at no steady beat: at one, motion
     that repeats exactly would show the same few phases again and again.
     """
-    count = len(data)
+    count = len(points)
     if count <= _LANDMARKS:
         return np.arange(count)
     stride = -(-count // _POOL)
     starts = np.arange(0, count, stride)
     inside = (np.arange(len(starts)) * _GOLDEN % 1.0 * stride).astype(np.intp)
     pool = np.minimum(starts + inside, count - 1)
-    near = data[pool] if metric == "euclidean" else data[np.ix_(pool, pool)]
-    return pool[choose_landmarks(near, count=_LANDMARKS, method="greedy", metric=metric).indices]
+    return pool[choose_landmarks(points[pool], count=_LANDMARKS, method="greedy").indices]
 
 
 def _runs_of(landmarks: Indices, local: list[Run]) -> list[Run]:
@@ -211,43 +216,30 @@ def variance_normalised(points: Array) -> Array:
 
 
 def _delayed(
-    poses: Array,
-    runs: Sequence[Run],
-    frames: Indices,
-    local: list[Run],
-    period: float,
-    options: TopologyOptions,
-) -> PoseCloud:
-    count = options.delays or 0
-    delays = np.unique(np.round(np.linspace(0.0, 0.5 * period, count + 1)).astype(int))
-    distances, kept, kept_runs = delay_distances(_distances(poses) ** 2, delays.tolist(), local)
-    long_enough = [run for run, (a, b) in zip(runs, local, strict=True) if b - a > delays[-1]]
-    return _from_distances(distances, long_enough, frames[kept], list(kept_runs), options)
+    poses: Array, local: list[Run], period: float, count: int
+) -> tuple[Array, list[Indices]]:
+    """Embed poses by delays over half a period, at the scale of the poses.
+
+    Returns
+    -------
+    cloud : (n, (k + 1) d) ndarray
+    begins : list of ndarray of int
+        The places at which the points of each run begin.
+    """
+    delays = np.unique(np.round(np.linspace(0.0, 0.5 * period, count + 1)).astype(np.intp))
+    begins = [np.arange(start, stop - delays[-1]) for start, stop in local]
+    whole = np.concatenate(begins)[:, None] + delays
+    rows = poses[whole].reshape(len(whole), len(delays) * poses.shape[1])
+    return rows / np.sqrt(len(delays)), begins
 
 
-def _from_distances(
-    distances: NDArray[np.floating],
-    runs: Sequence[Run],
-    frames: Indices,
-    local: list[Run],
-    options: TopologyOptions,
-) -> PoseCloud:
-    landmarks = _landmarks(distances, "precomputed")
-    near = np.array(distances[np.ix_(landmarks, landmarks)], float)
-    if options.metric == "adjacent":
-        for a, b in _runs_of(landmarks, local):
-            after = np.arange(a + 1, b)
-            near[after - 1, after] = near[after, after - 1] = 0.0
-    barcode = _barcode(near, "precomputed", options)
-    data = np.asarray(distances[:, landmarks], float)
-    return PoseCloud(tuple(runs), frames, local, data, landmarks, barcode)
-
-
-def _distances(points: Array) -> Array:
-    squares = np.einsum("ij,ij->i", points, points)
-    apart = np.maximum(squares[:, None] + squares - 2.0 * points @ points.T, 0.0)
-    np.fill_diagonal(apart, 0.0)
-    return np.sqrt(np.minimum(apart, apart.T))
+def _adjacent(points: Array, runs: list[Run]) -> NDArray[np.float32]:
+    """Return distances (n, n) of points, 0 between those next to each other in a run."""
+    above = pairwise_distances(points)
+    for start, stop in runs:
+        after = np.arange(start + 1, stop)
+        above[after - 1, after] = 0.0
+    return above + above.T
 
 
 def _bounds(lengths: list[int]) -> list[Run]:

@@ -1,6 +1,6 @@
 """Degree-1 persistent cohomology of point clouds: bars, cocycles, landmarks, significance."""
 
-from roundelay.topology.distances import Metric, Runs, delay_distances, pairwise_distances
+from roundelay.topology.distances import Metric, Runs, pairwise_distances
 from roundelay.topology.landmarks import Landmarks, choose_landmarks
 from roundelay.topology.rips import Barcode, persistent_cohomology
 from roundelay.topology.significance import (
@@ -20,7 +20,6 @@ __all__ = [
     "Runs",
     "choose_landmarks",
     "count_classes",
-    "delay_distances",
     "p_values",
     "pairwise_distances",
     "periodicity",

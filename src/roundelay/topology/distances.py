@@ -1,4 +1,4 @@
-"""Distance matrices: their checks, Euclidean distances, and delay embeddings without building them.
+"""Distance matrices: Euclidean distances, and checks of those given.
 
 Inside the package a distance matrix is float32; its upper triangle is the one that counts.
 """
@@ -6,7 +6,6 @@ Inside the package a distance matrix is float32; its upper triangle is the one t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import accumulate, pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -16,7 +15,7 @@ from roundelay.errors import TooShort
 from roundelay.topology.kernel import engine
 from roundelay.topology.kernel.reduction import F32, F64
 
-__all__ = ["Metric", "Runs", "cross_distances", "delay_distances", "pairwise_distances"]
+__all__ = ["Metric", "Runs", "cross_distances", "pairwise_distances"]
 
 Runs = Sequence[tuple[int, int]]
 """Half-open ranges [start, stop) of consecutive frames; no motion is counted between two."""
@@ -141,57 +140,3 @@ def _is_symmetric(distances: F32, tolerance: float, block: int = 256) -> bool:
         )
         for a in starts
     )
-
-
-def delay_distances(
-    d2: ArrayLike, delays: Sequence[int], runs: Runs
-) -> tuple[F32, NDArray[np.intp], Runs]:
-    """Distances of a delay embedding, from those of its frames ([C] 3.26, Perea and Harer 2015).
-
-    The embedded point of frame t is (x[t], x[t + delays[1]], ...): its squared distances are sums
-    along diagonals of the squared distances of the frames, so no embedding need be built.
-
-    Parameters
-    ----------
-    d2 : (n, n) array_like
-        Squared distances of the frames, both triangles.
-    delays : sequence of int
-        Offsets in frames, ascending from 0.
-    runs : sequence of (start, stop)
-        Runs of consecutive frames; no embedded point reaches across two.
-
-    Returns
-    -------
-    distances : (m, m) array of float32
-        Distances of the embedded points, divided by the root of the number of delays so that
-        they keep the scale of the poses.
-    frames : (m,) array of int
-        The frame at which each embedded point starts.
-    runs : list of (start, stop)
-        The runs of the embedded points.
-
-    Raises
-    ------
-    ValueError
-        If the delays do not ascend from 0.
-    TooShort
-        If fewer than 4 embedded points are left.
-    """
-    if not len(delays) or delays[0] != 0 or any(b <= a for a, b in pairwise(delays)):
-        raise ValueError(f"expected delays that ascend from 0, found {list(delays)}")
-    squares = np.asarray(d2, np.float32)
-    kept = [range(start, stop - delays[-1]) for start, stop in runs if stop - delays[-1] > start]
-    stops = list(accumulate(map(len, kept), initial=0))
-    _check_count(stops[-1])
-    total = np.zeros((stops[-1], stops[-1]), np.float32)
-    for a, rows in enumerate(kept):
-        for b, columns in enumerate(kept):
-            block = total[stops[a] : stops[a + 1], stops[b] : stops[b + 1]]
-            for delay in delays:
-                block += squares[
-                    rows.start + delay : rows.stop + delay,
-                    columns.start + delay : columns.stop + delay,
-                ]
-    np.sqrt(np.maximum(total / len(delays), 0), out=total)
-    frames = np.concatenate([np.arange(r.start, r.stop) for r in kept])
-    return total, frames, list(pairwise(stops))

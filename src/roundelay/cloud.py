@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate, pairwise
 from typing import Literal, get_args
 
 import numpy as np
@@ -243,5 +244,4 @@ def _adjacent(points: Array, runs: list[Run]) -> NDArray[np.float32]:
 
 
 def _bounds(lengths: list[int]) -> list[Run]:
-    stops = np.cumsum(lengths).tolist()
-    return list(zip([0, *stops[:-1]], stops, strict=True))
+    return list(pairwise(accumulate(lengths, initial=0)))

@@ -24,11 +24,13 @@ if TYPE_CHECKING:
         TooLarge,
         TooShort,
     )
+    from roundelay.excitation import excitations
     from roundelay.formats import read, write
     from roundelay.library import Library, LoopOptions, Match, build_library
     from roundelay.motion import Motion, concatenate
     from roundelay.periodicity import Evidence
-    from roundelay.pipeline import Options, find_cycles
+    from roundelay.pipeline import Options, find_cycles, find_periodic, make_cycle
+    from roundelay.poses import point_cloud
     from roundelay.quality import Quality
     from roundelay.segmentation import Segmentation, segment
     from roundelay.signature import (
@@ -56,11 +58,13 @@ _HOMES = {
         "TooLarge",
         "TooShort",
     ),
+    "excitation": ("excitations",),
     "formats": ("read", "write"),
     "library": ("Library", "LoopOptions", "Match", "build_library"),
     "motion": ("Motion", "concatenate"),
     "periodicity": ("Evidence",),
-    "pipeline": ("Options", "find_cycles"),
+    "pipeline": ("Options", "find_cycles", "find_periodic", "make_cycle"),
+    "poses": ("point_cloud",),
     "quality": ("Quality",),
     "segmentation": ("Segmentation", "segment"),
     "signature": (
@@ -103,7 +107,11 @@ __all__ = [
     "concatenate",
     "cycle_distance",
     "distance_matrix",
+    "excitations",
     "find_cycles",
+    "find_periodic",
+    "make_cycle",
+    "point_cloud",
     "read",
     "segment",
     "transition",

@@ -45,6 +45,22 @@ def test_centroids_lie_on_the_motion(made, gaussian):
     assert typical.period == cycle.period
 
 
+@pytest.mark.parametrize("angle", [0.0, 1.0, 2.5])
+def test_the_body_faces_where_it_faced(angle):
+    """Its heading sways in a stride, and drifts from stride to stride."""
+    made = synth.gait("walk", repetitions=3.2, turning=0.3).motion
+    turn, rotations = rot.from_rotation_vector([0.0, angle, 0.0]), made.rotations.copy()
+    rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
+    path = rot.rotate(turn, made.root_path)
+    motion = rl.Motion(made.skeleton, rotations, path, made.frame_time)
+    typical, cycle = (
+        rl.find_cycles(motion, rl.Options(method=method))[0] for method in ("centroid", "harmonic")
+    )
+    phase = np.arange(50) / 50
+    roots = [one.rotations(phase)[:, 0] for one in (typical, cycle)]
+    assert rot.angle_between(*roots).max() < 0.02
+
+
 def test_it_is_a_method_of_the_main_job(made):
     (cycle,) = rl.find_cycles(made.motion, rl.Options(method="centroid"))
     assert len(cycle.pose.frequencies) > 200

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.cycles.cycle import Cycle
-from roundelay.cycles.harmonic import HarmonicCurve
+from roundelay.cycles.following import followed_poses
+from roundelay.cycles.harmonic import HarmonicCurve, highest_harmonic
 from roundelay.geometry import rotations as rot
 from roundelay.mixture import fit_circular_mixture
 from roundelay.motion import Motion
@@ -35,7 +36,7 @@ def centroid_cycle(
     1. The density of the circular coordinate is a Gaussian mixture of 30 components; `samples`
        coordinates part it into equal shares, so that they follow each other evenly in time.
     2. At each, the `neighbours` frames nearest in the coordinate are averaged: rotations on the
-       sphere, the root's turned to the cycle's heading.
+       sphere, the root's without the drift of its heading.
     3. The closed polygon of centroids is interpolated by its Fourier series.
 
     Travel, height and period stay those of the cycle ([A] leaves them out).
@@ -67,7 +68,11 @@ def centroid_cycle(
     if not 1 <= neighbours <= len(frames):
         raise ValueError(f"expected 1 to {len(frames)} neighbours, found {neighbours}")
     theta = cycle.evidence.turns[frames] % 1.0
-    local = _upright(motion.with_root_motion(), frames)
+    harmonics = highest_harmonic(cycle.period)
+    followed = followed_poses(
+        motion.with_root_motion(), cycle.evidence.turns, cycle.evidence.runs, harmonics
+    )
+    local = followed.local[frames]
     places = fit_circular_mixture(theta).quantiles(samples)
     centroids = np.stack([_centroid(local, theta, place, neighbours, gaussian) for place in places])
     closed = rot.continuous(centroids)
@@ -77,14 +82,6 @@ def centroid_cycle(
         raise ValueError(f"joints that make whole turns have no centroid: {', '.join(names)}")
     pose = HarmonicCurve.through(closed.reshape(samples, -1))
     return replace(cycle, pose=pose, odd_pose=None)
-
-
-def _upright(motion: Motion, frames: NDArray[np.intp]) -> Array:
-    """Return local rotations (n, J, 4), the root's without its heading."""
-    local = motion.rotations[frames].copy()
-    away = rot.twist(local[:, 0], motion.up_vector)
-    local[:, 0] = rot.multiply(rot.conjugate(away), local[:, 0])
-    return local
 
 
 def _centroid(local: Array, theta: Array, place: float, neighbours: int, gaussian: bool) -> Array:

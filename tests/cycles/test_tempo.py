@@ -62,3 +62,26 @@ def test_a_changing_tempo_is_followed() -> None:
 
 def test_unwrapped_phase_runs_on_from_turn_to_turn() -> None:
     assert np.allclose(np.diff(unwrap(np.arange(50) / 20.0 % 1.0, [(0, 50)])), 0.05)
+
+
+def test_the_period_is_the_lag_of_least_mean_distance() -> None:
+    """Against every pair of poses by itself."""
+    rng = np.random.default_rng(0)
+    phase = 2 * np.pi * np.arange(700)[:, None] / 61.3
+    poses = np.hstack([np.sin(phase), np.cos(2 * phase)]) + rng.normal(scale=0.3, size=(700, 2))
+    runs = [(0, 300), (310, 360), (400, 700)]
+
+    def disagreement(lag: int) -> float:
+        apart = [
+            np.sum((poses[start + whole : stop] - poses[start : stop - whole]) ** 2, axis=1)
+            for start, stop in runs
+            for whole in range(lag, stop - start, lag)
+        ]
+        return float(np.mean(np.concatenate(apart)))
+
+    lags = np.arange(57, 66)
+    values = np.array([disagreement(lag) for lag in lags])
+    best = int(np.argmin(values))
+    bend = np.polyfit([-1.0, 0.0, 1.0], values[best - 1 : best + 2], 2)
+    expected = lags[best] - bend[1] / (2 * bend[0])
+    assert agreement_period(poses, runs, 61.0) == pytest.approx(expected, abs=1e-6)

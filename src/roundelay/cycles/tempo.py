@@ -91,7 +91,7 @@ def agreement_period(poses: Array, runs: Sequence[Run], period: float) -> float:
     """
     reach = max(2, round(_PERIOD_REACH * period))
     lags = np.arange(max(2, round(period) - reach), round(period) + reach + 1)
-    apart = np.array([_disagreement(poses, runs, int(lag)) for lag in lags])
+    apart = _disagreement([_squares_apart(poses[slice(*run)]) for run in runs], lags)
     if not np.isfinite(apart).all():
         return period
     best = int(np.clip(np.argmin(apart), 1, len(lags) - 2))
@@ -105,15 +105,29 @@ def lowest_between(values: Array) -> float:
     return float(np.clip(0.5 * (before - after) / bend, -1.0, 1.0)) if bend > 0.0 else 0.0
 
 
-def _disagreement(poses: Array, runs: Sequence[Run], lag: int) -> float:
-    """Return the mean squared distance of poses any number of lags apart; NaN without any."""
-    total = pairs = 0.0
-    for start, stop in runs:
-        for whole in range(lag, stop - start, lag):
-            apart = poses[start + whole : stop] - poses[start : stop - whole]
-            total += float(np.einsum("ij,ij->", apart, apart))
-            pairs += len(apart)
-    return total / pairs if pairs else float("nan")
+def _disagreement(squares: Sequence[Array], lags: NDArray[np.intp]) -> Array:
+    """Return the mean squared distance of poses any number of lags apart; NaN without any.
+
+    Parameters
+    ----------
+    squares : sequence of (n,) ndarray
+        Of each run, as from `_squares_apart`.
+    lags : (m,) ndarray of int
+    """
+    total = np.array([sum(run[lag::lag].sum() for run in squares) for lag in lags])
+    pairs = np.array(
+        [sum(np.arange(len(run) - lag, 0.0, -lag).sum() for run in squares) for lag in lags]
+    )
+    return np.where(pairs > 0, total / np.maximum(pairs, 1), np.nan)
+
+
+def _squares_apart(poses: Array) -> Array:
+    """Sum |x(t + lag) - x(t)|^2 over t for all lags (n,) at once, by the correlation theorem."""
+    count = len(poses)
+    spectrum = np.fft.rfft(poses, 2 * count, axis=0)
+    product = np.fft.irfft(np.sum(np.abs(spectrum) ** 2, axis=1), 2 * count)[:count]
+    sums = np.concatenate([[0.0], np.cumsum(np.einsum("ij,ij->i", poses, poses))])
+    return np.maximum(sums[count:0:-1] + sums[-1] - sums[:count] - 2.0 * product, 0.0)
 
 
 def _one_tempo(raw: Array, runs: Sequence[Run], period: float) -> Array:

@@ -32,6 +32,8 @@ def test_sparring_is_not_called_periodic(boxing):
     with pytest.raises(rl.NoPeriod, match="no periodic motion found") as refusal:
         rl.find_cycles(boxing)
     assert refusal.value.evidence is not None
+    reasons = str(refusal.value).removeprefix("no periodic motion found: ").split("; ")
+    assert all(reason.startswith("frames ") for reason in reasons)
 
 
 def test_the_walk_in_the_playground_is_found(captures):

@@ -114,15 +114,19 @@ def judged(
         if cut and tuple(cut) != evidence.runs:
             again = measure(points, cut, evidence.period, step, options)
             evidence = again if again.objection(searched, chosen=by_hand) is None else evidence
-    except TooShort as error:
-        raise NoPeriod(str(error)) from error
+    except (NoPeriod, TooShort) as error:
+        measured = error.evidence if isinstance(error, NoPeriod) else None
+        raise NoPeriod(f"frames {_listed(runs)}: {error}", measured) from error
     objection = evidence.objection(searched, chosen=by_hand)
     if objection is None and not by_hand and disagreement(points, evidence) >= _APART:
         objection = "its poses are hardly nearer to those a turn later than any two are"
     if objection is not None:
-        listed = ", ".join(f"{start}-{stop}" for start, stop in evidence.runs)
-        raise NoPeriod(f"frames {listed}: {objection}", evidence)
+        raise NoPeriod(f"frames {_listed(evidence.runs)}: {objection}", evidence)
     return evidence
+
+
+def _listed(runs: Sequence[Run]) -> str:
+    return ", ".join(f"{start}-{stop}" for start, stop in runs)
 
 
 def _union(parts: list[Part]) -> list[Run]:

@@ -229,7 +229,8 @@ def class_coordinate(
     barcode = cloud.barcode
     if len(barcode) <= class_index:
         absent = f", none of them class {class_index}" if class_index else ""
-        raise NoPeriod(f"the poses form {len(barcode)} loops{absent}", barcode)
+        loops = f"{len(barcode)} loop" + ("" if len(barcode) == 1 else "s")
+        raise NoPeriod(f"the poses form {loops}{absent}", barcode)
     try:
         return circular_coordinate(barcode, k=class_index, scale=scale, runs=cloud.landmark_runs)
     except LiftError as error:

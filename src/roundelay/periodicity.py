@@ -285,12 +285,14 @@ def disagreement(points: Array, evidence: Evidence) -> float:
     """
     turns = _one_after_the_other([evidence.turns[slice(*run)] for run in evidence.runs])
     shown = np.concatenate([points[slice(*run)] for run in evidence.runs])
-    later = np.zeros(len(turns), np.intp)
+    later, missing = np.zeros(len(turns), np.intp), np.arange(len(turns))
     # The next time a phase is passed may be in a later run, more than one turn on.
-    for whole in range(1 + len(evidence.runs), 0, -1):
-        place = np.minimum(np.searchsorted(turns, turns + whole), len(turns) - 1)
-        there = np.abs(turns[place] - turns - whole) < _SAME_PHASE
-        later[there] = place[there]
+    for whole in range(1, 2 + len(evidence.runs)):
+        aim = turns[missing] + whole
+        place = np.minimum(np.searchsorted(turns, aim), len(turns) - 1)
+        there = np.abs(turns[place] - aim) < _SAME_PHASE
+        later[missing[there]] = place[there]
+        missing = missing[~there]
     first = np.flatnonzero(later)
     if len(first) == 0:
         return float("nan")

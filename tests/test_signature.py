@@ -101,3 +101,16 @@ def test_bad_distances_and_counts_are_refused():
         cluster(np.zeros((2, 3)))
     with pytest.raises(ValueError, match="count from 1 to 3"):
         cluster(np.zeros((3, 3)), 4)
+
+
+@pytest.mark.parametrize("how", [{"count": 4}, {"within": 0.4}, {}])
+def test_groups_do_not_depend_on_the_order(how):
+    rng = np.random.default_rng(3)
+    places = rng.normal(size=(25, 2))
+    distances = np.linalg.norm(places[:, None] - places, axis=2)
+    order = rng.permutation(25)
+    here, there = cluster(distances, **how), cluster(distances[np.ix_(order, order)], **how)
+    assert np.array_equal(here[order][:, None] == here[order], there[:, None] == there)
+    assert np.array_equal(
+        np.unique(there, return_index=True)[1].argsort(), np.arange(there.max() + 1)
+    )

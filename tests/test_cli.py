@@ -194,6 +194,27 @@ def test_inspect_lists_the_classes_and_a_class_carries_into_loop(walk, tmp_path)
     assert cycle["barcode"][0] == pytest.approx([first["birth"], first["death"]], abs=1e-5)
 
 
+def named(record: object) -> set[str]:
+    """All names in a record but those that are options, joints or figures of quality."""
+    if isinstance(record, list):
+        return set().union(*map(named, record))
+    if not isinstance(record, dict):
+        return set()
+    own = {"options", "contacts", "quality"}
+    return set(record).union(*(named(value) for name, value in record.items() if name not in own))
+
+
+@pytest.mark.parametrize("command", ["loop", "inspect", "excitations", "segment"])
+def test_every_name_in_a_record_is_documented(walk, tmp_path, command):
+    arguments = [command, str(walk), "-o", str(tmp_path), "--no-picture", "--json"]
+    result = runner.invoke(app, arguments)
+    (written,) = tmp_path.glob("*.json")
+    record = json.loads(result.stdout)
+    assert record == json.loads(written.read_text())
+    told = (Path(__file__).parents[1] / "docs" / "records.md").read_text()
+    assert [name for name in sorted(named(record)) if f"`{name}`" not in told] == []
+
+
 def test_python_runs_the_command_line_as_a_module():
     shown = subprocess.run(
         [sys.executable, "-m", "roundelay", "--version"], capture_output=True, text=True, check=True

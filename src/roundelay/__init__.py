@@ -126,7 +126,9 @@ def __getattr__(name: str) -> Any:
         return getattr(import_module(f"roundelay.{_HOME[name]}"), name)
     try:
         return import_module(f"roundelay.{name}")
-    except ModuleNotFoundError:
+    except ModuleNotFoundError as error:
+        if error.name != f"roundelay.{name}":
+            raise
         raise AttributeError(f"module 'roundelay' has no attribute {name!r}") from None
 
 

@@ -44,6 +44,9 @@ def inspect(
 
     Writes NAME_inspect.json and NAME_inspect.png. A class, a scale or frames that serve better
     than the automatic choice can be given to `roundelay loop` by the options of the same names.
+    Periods are those of the coordinates; that of a loop is refined by its poses.
+
+    Exit code 0: there are candidates, periodic or not; 2: bad input; 3: no pose comes back.
     """
     from roundelay.inspection import inspect as inspect_motion
 

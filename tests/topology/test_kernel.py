@@ -13,7 +13,7 @@ from clouds import PRIMES, noisy_circle, random_clouds
 from roundelay.coordinate import circular_coordinate
 from roundelay.topology import kernel, persistent_cohomology
 from roundelay.topology.kernel.compiled import Compiled
-from roundelay.topology.kernel.reduction import Reduction, count_up_to
+from roundelay.topology.kernel.reduction import Reduction, count_up_to, ends
 from roundelay.topology.kernel.twin import Twin
 from roundelay.topology.rips import enclosing_radius
 
@@ -32,6 +32,16 @@ def runs(
         yield compiled.reduce(lengths, **options), Twin().reduce(lengths, **options)
 
 
+def assert_same(ours: Reduction, twin: Reduction) -> None:
+    for name in ("keys", "merges", "births", "deaths", "killer"):
+        np.testing.assert_array_equal(getattr(ours, name), getattr(twin, name))
+    i, j = ends(ours.keys)
+    np.testing.assert_array_equal(ours.fill[i, j], twin.fill[i, j])
+    for name in ("start", "index", "value", "time"):
+        for one, other in ((ours.relations, twin.relations), (ours.reduced, twin.reduced)):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
 def test_distances_agree_to_the_bit(compiled: Compiled) -> None:
     rng = np.random.default_rng(0)
     for d in (0, 1, 15, 16, 17, 70):
@@ -43,11 +53,21 @@ def test_distances_agree_to_the_bit(compiled: Compiled) -> None:
 @pytest.mark.parametrize("prime", PRIMES)
 def test_runs_agree_to_the_bit(compiled: Compiled, prime: int) -> None:
     for ours, twin in runs(compiled, prime, 60):
-        for name in ("keys", "merges", "births", "deaths", "killer"):
-            np.testing.assert_array_equal(getattr(ours, name), getattr(twin, name))
-        for name in ("start", "index", "value", "time"):
-            for one, other in ((ours.relations, twin.relations), (ours.reduced, twin.reduced)):
-                np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+        assert_same(ours, twin)
+
+
+@pytest.mark.parametrize("longest", [0, 1, 2])
+def test_births_after_a_rest_are_found(compiled: Compiled, longest: int) -> None:
+    """A circle dies, a point far from it joins, and a square is born: several buckets of edges."""
+    points = np.zeros((200, 5), np.float32)
+    points[:190, :2] = noisy_circle(190, noise=0.02)
+    points[190] = (0, 0, 2.5, 0, 0)
+    points[191] = (4, 0, 0, 0, 0)
+    points[192:, 2:4] = 3.5 + np.repeat(((2, 2), (2, -2), (-2, -2), (-2, 2)), 2, axis=0)
+    lengths = compiled.distances(points)
+    options = {"limit": enclosing_radius(lengths), "prime": 47, "longest": longest}
+    ours, twin = compiled.reduce(lengths, **options), Twin().reduce(lengths, **options)
+    assert_same(ours, twin)
 
 
 @pytest.mark.parametrize("longest", [1, 2])
@@ -124,7 +144,7 @@ def test_without_the_binary_one_warning_and_the_same_results(
     np.testing.assert_allclose(slow_coordinate.phase, fast_coordinate.phase, atol=1e-7)
 
 
-def test_count_up_to_includes_ties(compiled: Compiled) -> None:
-    lengths = np.triu(np.ones((5, 5), np.float32), 1)
-    keys = compiled.reduce(lengths, limit=1.0, prime=2, longest=0).keys
+def test_count_up_to_includes_ties() -> None:
+    bits = np.ones(10, np.float32).view(np.uint32).astype(np.uint64)
+    keys = bits << np.uint64(32) | np.arange(10, dtype=np.uint64)
     assert (count_up_to(keys, 1.0), count_up_to(keys, 0.999)) == (10, 0)

@@ -202,7 +202,10 @@ def persistent_cohomology(
     early = 0 if longest is None or limit < radius else longest
     reduction = engine().reduce(lengths, limit=min(limit, radius), prime=prime, longest=early)
     points = np.asarray(data, np.float64) if metric == "euclidean" else None
-    return _barcode(lengths, reduction, points, prime=prime, max_scale=limit, longest=longest)
+    return _barcode(
+        lengths, reduction, points,
+        prime=prime, max_scale=limit, is_cut=limit < radius, longest=longest,
+    )  # fmt: skip
 
 
 def enclosing_radius(lengths: F32) -> float:
@@ -227,11 +230,12 @@ def _barcode(
     *,
     prime: int,
     max_scale: float,
+    is_cut: bool,
     longest: int | None,
 ) -> Barcode:
     births = lengths_of(reduction.births).astype(np.float64)
     deaths = reduction.deaths.astype(np.float64)
-    settled = np.isfinite(deaths) | (max_scale < enclosing_radius(lengths))
+    settled = np.isfinite(deaths) | is_cut
     classes = np.flatnonzero(settled & (deaths > births))
     order = np.lexsort((births[classes], births[classes] - deaths[classes]))
     classes = classes[order][:longest]

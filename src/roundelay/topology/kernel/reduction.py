@@ -59,9 +59,10 @@ class Reduction:
     Attributes
     ----------
     keys : (edges,) array of uint64
-        The edges in order: bits of the length << 32 | i << 16 | j with i < j.
+        The edges in order, until the last death (all if a class outlives the run): bits of the
+        length << 32 | i << 16 | j with i < j.
     fill : (n, n) array of uint16, upper triangle
-        The vertex through which each edge is filled, or `NO_VERTEX`.
+        The vertex through which each of these edges is filled, or `NO_VERTEX`.
     merges : (n - 1,) array
         Lengths at which components merge, ascending.
     births : (born,) array of uint64
@@ -71,7 +72,7 @@ class Reduction:
     killer : (born,) array of int
         The reduced column that killed each class, or -1.
     relations : Columns
-        All relations, over the integers.
+        The relations found while a class lives, over the integers; the others hold then.
     reduced : Columns
         Relations mod p in echelon form: each column's last entry is its youngest birth, with
         value 1.

@@ -132,6 +132,7 @@ static void kill(rips *state, int64_t birth, float time)
     memset(state->marks, 0, (size_t)(birth / 64 + 1) * sizeof *state->marks);
     state->killer[birth] = state->reduced.count;
     state->deaths[birth] = time;
+    state->ended = state->processed;
     close_column(state, &state->reduced, time);
     note_life(state, time - key_length(state->births[birth]));
     while (state->oldest < state->born && state->killer[state->oldest] >= 0) ++state->oldest;

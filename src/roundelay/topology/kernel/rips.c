@@ -5,12 +5,11 @@
  * edges. An empty lune: the edge merges two components or gives birth to a class. Else the
  * edge is filled through one vertex of the lune, and every further connected component of
  * the lune gives one relation between earlier edges. Only relations are reduced, in the
- * basis of births, the youngest birth dying (elder rule).
+ * basis of births, the youngest birth dying (elder rule). While no class lives, every relation
+ * holds already: then only the next birth is looked for.
  */
-#include <math.h>
-
 #include "buckets.h"
-#include "relations.h"
+#include "lunes.h"
 
 #define AHEAD 6
 
@@ -35,174 +34,6 @@ void VARIANT(rips_free)(rips *state)
     free(state);
 }
 
-/* Components --------------------------------------------------------------------------- */
-
-static uint32_t find_root(rips *state, uint32_t vertex)
-{
-    while (state->parent[vertex] != vertex)
-        vertex = state->parent[vertex] = state->parent[state->parent[vertex]];
-    return vertex;
-}
-
-static void add_unfilled_edge(rips *state, uint64_t key)
-{
-    const uint32_t a = find_root(state, key_low(key)), b = find_root(state, key_high(key));
-    if (a != b) {
-        state->parent[a > b ? a : b] = (uint16_t)(a > b ? b : a);
-        state->merges[state->merged++] = key_length(key);
-        return;
-    }
-    if (!GROW(state->births, state->births_room, state->born + 1)) return;
-    if (!GROW(state->deaths, state->deaths_room, state->born + 1)) return;
-    if (!GROW(state->killer, state->killer_room, state->born + 1)) return;
-    state->births[state->born] = key;
-    state->deaths[state->born] = INFINITY;
-    state->killer[state->born++] = -1;
-}
-
-/* Lunes ---------------------------------------------------------------------------------- */
-
-static const uint64_t *row_of(const rips *state, uint32_t vertex)
-{
-    return state->near + vertex * state->words;
-}
-
-static int64_t first_word(const uint64_t *set, int64_t words)
-{
-    int64_t word = 0;
-    while (word < words && !set[word]) ++word;
-    return word;
-}
-
-static uint32_t take_first(rips *state, uint64_t *set, int64_t word)
-{
-    const uint32_t bit = lowest_bit(set[word]);
-    set[word] &= set[word] - 1;
-    return state->vertex[word * 64 + bit];
-}
-
-/* rest = the vertices of the lune of a and b that are not near v; 1 if there are any. */
-static int leaves_rest(const uint64_t *RESTRICT a, const uint64_t *RESTRICT b,
-                       const uint64_t *RESTRICT v, uint64_t *RESTRICT rest, int64_t words)
-{
-    uint64_t any = 0;
-    for (int64_t word = 0; word < words; ++word) any |= rest[word] = a[word] & b[word] & ~v[word];
-    return any != 0;
-}
-
-/* Take the neighbours of v from rest; 1 if any are left. */
-static int shrinks_rest(const uint64_t *RESTRICT v, uint64_t *RESTRICT rest, int64_t words)
-{
-    uint64_t any = 0;
-    for (int64_t word = 0; word < words; ++word) any |= rest[word] &= ~v[word];
-    return any != 0;
-}
-
-/* Bit position of the first vertex of the lune, outside rest, that is near x; or -1. */
-static int64_t first_link(const rips *state, const uint64_t *a, const uint64_t *b, const uint64_t *x)
-{
-    for (int64_t word = 0; word < state->words; ++word) {
-        const uint64_t links = a[word] & b[word] & x[word] & ~state->rest[word];
-        if (links) return 64 * word + lowest_bit(links);
-    }
-    return -1;
-}
-
-/* 1 if the lune of a and b is one component, found by a short search: each vertex outside rest
- * is known to be connected, and is used to take the first one of rest. */
-static int soon_connected(rips *state, const uint64_t *a, const uint64_t *b)
-{
-    for (;;) {
-        const int64_t word = first_word(state->rest, state->words);
-        const uint32_t x = state->vertex[word * 64 + lowest_bit(state->rest[word])];
-        const int64_t link = first_link(state, a, b, row_of(state, x));
-        if (link < 0) return 0;
-        if (!shrinks_rest(row_of(state, state->vertex[link]), state->rest, state->words)) return 1;
-    }
-}
-
-/* Move the neighbours of v from rest to todo. */
-static void reach(rips *state, uint32_t v)
-{
-    const uint64_t *row = row_of(state, v);
-    for (int64_t word = 0; word < state->words; ++word) {
-        state->todo[word] |= state->rest[word] & row[word];
-        state->rest[word] &= ~row[word];
-    }
-}
-
-static void relate(rips *state, uint32_t i, uint32_t j, uint32_t through, uint32_t other, float time)
-{
-    push_edge(state, i, through, 1);
-    push_edge(state, through, j, 1);
-    push_edge(state, i, other, -1);
-    push_edge(state, other, j, -1);
-    if (expand(state, time)) reduce(state, time);
-}
-
-/* One relation for each component of the lune other than that of the fill vertex. */
-static void relate_components(rips *state, uint64_t key, uint32_t through)
-{
-    const uint64_t *a = row_of(state, key_low(key)), *b = row_of(state, key_high(key));
-    for (int64_t word = 0; word < state->words; ++word) {
-        state->rest[word] = a[word] & b[word];
-        state->todo[word] = 0;
-    }
-    reach(state, through);
-    for (;;) {
-        const int64_t rest = first_word(state->rest, state->words);
-        if (rest == state->words) return;
-        const int64_t todo = first_word(state->todo, state->words);
-        if (todo < state->words) {
-            reach(state, take_first(state, state->todo, todo));
-            continue;
-        }
-        const uint32_t other = take_first(state, state->rest, rest);
-        relate(state, key_low(key), key_high(key), through, other, key_length(key));
-        reach(state, other);
-    }
-}
-
-/* The vertex that last reached a whole lune at i or j, if it is in this lune; else through. */
-static uint32_t likely_hub(const rips *state, uint32_t i, uint32_t j, uint32_t through)
-{
-    const uint64_t *a = row_of(state, i), *b = row_of(state, j);
-    const uint32_t hubs[2] = {state->hub[i], state->hub[j]};
-    for (int which = 0; which < 2; ++which) {
-        const uint32_t label = state->label[hubs[which]];
-        if ((a[label / 64] & b[label / 64]) >> label % 64 & 1) return hubs[which];
-    }
-    return through;
-}
-
-static void fill_edge(rips *state, uint64_t key, uint32_t through)
-{
-    const uint32_t i = key_low(key), j = key_high(key);
-    const uint64_t *a = row_of(state, i), *b = row_of(state, j);
-    const uint32_t hub = likely_hub(state, i, j, through);
-    state->fill[i * state->n + j] = (uint16_t)through;
-    if (!leaves_rest(a, b, row_of(state, hub), state->rest, state->words))
-        state->hub[i] = state->hub[j] = (uint16_t)hub;
-    else if (!soon_connected(state, a, b))
-        relate_components(state, key, through);
-}
-
-static void add_edge(rips *state, uint64_t key)
-{
-    const uint32_t i = key_low(key), j = key_high(key);
-    uint64_t *a = state->near + i * state->words, *b = state->near + j * state->words;
-    int64_t word = 0;
-    while (word < state->words && !(a[word] & b[word])) ++word;
-    if (word < state->words) {
-        fill_edge(state, key, state->vertex[word * 64 + lowest_bit(a[word] & b[word])]);
-    } else {
-        state->fill[i * state->n + j] = NO_VERTEX;
-        add_unfilled_edge(state, key);
-    }
-    a[state->label[j] / 64] |= (uint64_t)1 << state->label[j] % 64;
-    b[state->label[i] / 64] |= (uint64_t)1 << state->label[i] % 64;
-}
-
 /* The run ---------------------------------------------------------------------------------- */
 
 static rips *start_state(const float *lengths, int64_t n, const uint16_t *label, int64_t wanted)
@@ -216,7 +47,7 @@ static rips *start_state(const float *lengths, int64_t n, const uint16_t *label,
     state->wanted = wanted;
     state->near = calloc((size_t)(n * state->words), sizeof *state->near);
     state->vertex = calloc((size_t)(state->words * 64), sizeof *state->vertex);
-    state->parent = calloc((size_t)n, sizeof *state->parent);
+    state->parent = calloc((size_t)(2 * n), sizeof *state->parent);
     state->hub = calloc((size_t)n, sizeof *state->hub);
     state->rest = calloc((size_t)(2 * state->words), sizeof *state->rest);
     state->merges = calloc((size_t)n, sizeof *state->merges);
@@ -225,6 +56,7 @@ static rips *start_state(const float *lengths, int64_t n, const uint16_t *label,
                       state->merges && state->longest);
     if (state->failed) return state;
     state->todo = state->rest + state->words;
+    state->saved = state->parent + n;
     for (int64_t i = 0; i < n; ++i) {
         state->vertex[label[i]] = (uint16_t)i;
         state->parent[i] = (uint16_t)i;
@@ -239,8 +71,7 @@ static rips *start_state(const float *lengths, int64_t n, const uint16_t *label,
 static int settled(const rips *state, float length, float limit)
 {
     if (!state->wanted || state->merged < state->n - 1) return 0;
-    const float earliest =
-        state->oldest < state->born ? key_length(state->births[state->oldest]) : length;
+    const float earliest = any_alive(state) ? key_length(state->births[state->oldest]) : length;
     return limit - earliest < state->longest[state->wanted - 1];
 }
 
@@ -259,19 +90,80 @@ static int add_edges(rips *state, const uint64_t *keys, int64_t last, float limi
     return 0;
 }
 
+static int is_filled(const rips *state, uint64_t key)
+{
+    return first_common(state, key_low(key), key_high(key)) < state->words;
+}
+
+static void flip_edges(rips *state, const uint64_t *keys, int64_t first, int64_t last)
+{
+    for (int64_t edge = first; edge < last; ++edge)
+        flip_neighbours(state, key_low(keys[edge]), key_high(keys[edge]));
+}
+
+/* Make the edges of a bucket neighbours and return 1, unless one gives birth. Most often the
+ * earlier buckets fill each edge; else the order within the bucket must tell. */
+static int adds_idle(rips *state, const buckets *all, uint64_t *keys, int64_t bucket)
+{
+    const int64_t first = all->start[bucket], last = all->start[bucket + 1];
+    int64_t edge = first;
+    while (edge < last && is_filled(state, keys[edge])) ++edge;
+    if (edge == last) {
+        flip_edges(state, keys, first, last);
+        return 1;
+    }
+    sort_bucket(all, keys, bucket);
+    for (edge = first; edge < last; ++edge) {
+        if (!is_filled(state, keys[edge]) && !merges_components(state, keys[edge])) break;
+        flip_edges(state, keys, edge, edge + 1);
+    }
+    if (edge == last) return 1;
+    flip_edges(state, keys, first, edge);
+    return 0;
+}
+
+/* The bucket after the last in which a class could be born that outlives the wanted ones; one
+ * more, lest rounding matters. */
+static int64_t last_bucket(const rips *state, const buckets *all, float limit)
+{
+    if (!state->wanted || state->merged < state->n - 1) return all->count;
+    const int64_t last = bucket_of(all, limit - state->longest[state->wanted - 1]) + 2;
+    return last < all->count ? last : all->count;
+}
+
+/* While no class lives, only births matter: return the first bucket from this one on that holds
+ * one, or all->count if none does. The buckets between need not be sorted, unless one follows:
+ * then the state is again what it was. */
+static int64_t skip_idle(rips *state, const buckets *all, uint64_t *keys, int64_t bucket, float limit)
+{
+    const int64_t merged = state->merged;
+    int64_t next = bucket;
+    memcpy(state->saved, state->parent, (size_t)state->n * sizeof *state->parent);
+    while (next < last_bucket(state, all, limit) && adds_idle(state, all, keys, next)) ++next;
+    if (next >= last_bucket(state, all, limit)) return all->count;
+    flip_edges(state, keys, all->start[bucket], all->start[next]);
+    memcpy(state->parent, state->saved, (size_t)state->n * sizeof *state->parent);
+    state->merged = merged;
+    return next;
+}
+
 static void run_buckets(rips *state, buckets *all, float limit, uint64_t *keys)
 {
     scatter(all, state->lengths, state->n, limit, keys);
-    for (int64_t bucket = 0; bucket < all->count; ++bucket) {
-        sort_bucket(all, keys, bucket);
-        if (add_edges(state, keys, all->start[bucket + 1], limit)) return;
+    for (int64_t bucket = 0; bucket < all->count;) {
+        const int64_t next = any_alive(state) ? bucket : skip_idle(state, all, keys, bucket, limit);
+        if (next == all->count) return;
+        for (; bucket <= next; ++bucket) {
+            sort_bucket(all, keys, bucket);
+            if (add_edges(state, keys, all->start[bucket + 1], limit)) return;
+        }
     }
 }
 
 /* lengths (n, n), upper triangle; label (n): any numbering of the bits, best one in which
  * near points are far apart; keys with room for every edge, ascending on return up to
- * state->processed; fill (n, n). wanted > 0 stops once that many longest bars are settled, and
- * does not even sort what comes after. NULL when memory runs out. */
+ * state->processed, the last death if no class outlives the run; fill (n, n). wanted > 0 stops
+ * once that many longest bars are settled. NULL when memory runs out. */
 rips *VARIANT(rips_run)(const float *lengths, int64_t n, const uint16_t *label, float limit,
                         uint32_t prime, int64_t wanted, uint64_t *keys, uint16_t *fill)
 {
@@ -282,6 +174,7 @@ rips *VARIANT(rips_run)(const float *lengths, int64_t n, const uint16_t *label, 
     state->fill = fill;
     if (!state->failed) state->failed = !lay_out(&all, lengths, n, limit);
     if (!state->failed) run_buckets(state, &all, limit, keys);
+    if (!any_alive(state)) state->processed = state->ended;
     free_buckets(&all);
     if (!state->failed) return state;
     VARIANT(rips_free)(state);

@@ -19,12 +19,14 @@ typedef struct {
 
 struct rips {
     const float *lengths; /* (n, n), upper triangle */
-    int64_t n, words, processed;
+    int64_t n, words;
+    int64_t processed;        /* edges so far */
+    int64_t ended;            /* edges up to the last death */
     uint32_t prime;
     uint64_t *near;           /* (n, words): bit label[j] of row i: edge ij is in, or i = j */
     const uint16_t *label;    /* (n): bit position of a vertex */
     uint16_t *vertex;         /* (n): vertex of a bit position */
-    uint16_t *parent;         /* (n): union-find forest */
+    uint16_t *parent, *saved; /* (n): union-find forest, and as it was before a skip */
     uint16_t *hub;            /* (n): the vertex that last reached all of a lune here */
     uint16_t *fill;           /* (n, n), upper triangle */
     uint64_t *rest, *todo;    /* (words): one lune's vertices */

@@ -43,14 +43,17 @@ class Run:
         self.reduced: list[tuple[Form, float]] = []
 
     def run(self, keys: U64, limit: np.float32) -> int:
-        """Add the edges; return how many it took."""
+        """Add the edges; return how many until the last death, or all if a class still lives."""
         i, j = ends(keys)
         length = lengths_of(keys)
+        ended = edge = -1
         for edge in range(len(keys)):
+            died = len(self.reduced)
             self._add_edge(int(i[edge]), int(j[edge]), length[edge], int(keys[edge]))
+            ended = edge if len(self.reduced) > died else ended
             if len(self.longest) and self._is_settled(length[edge], limit):
-                return edge + 1
-        return len(keys)
+                break
+        return 1 + (edge if -1 in self.killer else ended)
 
     def _is_settled(self, length: np.float32, limit: np.float32) -> bool:
         if len(self.merges) < len(self.lengths) - 1:
@@ -66,7 +69,8 @@ class Run:
         if lune[first]:
             through = int(self.vertex[first])
             self.fill[i, j] = through
-            for other in self._other_components(lune, through):
+            others = self._other_components(lune, through) if -1 in self.killer else []
+            for other in others:
                 self._relate(i, j, through, other, length)
         else:
             self._add_unfilled(i, j, length, key)

@@ -101,10 +101,14 @@ class LongOperator:
             self._finish(context, end.value)
             return {"FINISHED"}
         except (RoundelayError, ValueError, OSError, RuntimeError) as error:
-            message = str(error).strip().splitlines()[0]
+            message = (str(error).strip() or type(error).__name__).splitlines()[0]
             self._finish(context, message)
             self.report({"ERROR"}, message)  # type: ignore[attr-defined]
             return {"CANCELLED"}
+        except BaseException:
+            # A fault of the program is Blender's to show, but must not leave the buttons greyed.
+            self._finish(context, "Stopped by a fault of the program")
+            raise
         return None
 
     def _show(self, context: Context, fraction: float, text: str) -> None:

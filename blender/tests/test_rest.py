@@ -100,6 +100,19 @@ class Clicked:
         return self.operator.modal(self.context, types.SimpleNamespace(type=name))
 
 
+def test_a_fault_of_the_program_leaves_no_button_greyed(jumps):
+    def broken():
+        yield 0.1, "working"
+        raise KeyError("a fault")
+
+    clicked, jobs = Clicked("ROUNDELAY_OT_extract"), sys.modules[f"{MODULE}.jobs"]
+    jobs.LongOperator.busy, clicked.operator._steps = True, broken()
+    with pytest.raises(KeyError):
+        clicked.event("TIMER")
+    assert not jobs.LongOperator.busy
+    assert clicked.timers == []
+
+
 def test_slices_do_not_freeze(jumps):
     clicked, longest = Clicked("ROUNDELAY_OT_extract"), 0.0
     assert clicked.event("MOUSEMOVE") == {"PASS_THROUGH"}

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from roundelay import find_cycles, synth
+from roundelay import concatenate, find_cycles, synth
 from roundelay.likeness import lay, npss, rmse
 from roundelay.quality import jerk, quality
 from roundelay.records import cycle_record, write_json
@@ -87,3 +87,23 @@ def test_what_cannot_be_measured_is_null_in_the_record(walk: synth.Synthetic, tm
     record = json.loads((tmp_path / "walk.json").read_text())
     assert record["quality"]["capture_jerk"] is None
     assert record["quality"]["coverage"] == 1.0
+
+
+def test_a_long_capture_is_laid_like_a_short_one(walk: synth.Synthetic) -> None:
+    loop = find_cycles(walk.motion)[0].sample()
+    played = concatenate([loop] * (1 + 5000 // len(loop)))
+    (cycle,) = find_cycles(played[: 4 * len(loop)])
+    long, short = (lay(cycle, played, (7, stop)) for stop in (len(played), 4 * len(loop)))
+    assert len(long.phase) > 4096 > len(short.phase)
+    assert abs(long.phase[0] - short.phase[0]) <= 1 / 256
+    assert np.sqrt(np.mean(long.apart**2)) == pytest.approx(
+        np.sqrt(np.mean(short.apart**2)), abs=0.01
+    )
+
+
+def test_derivatives_of_a_few_frames_are_unknown(walk: synth.Synthetic) -> None:
+    (cycle,) = find_cycles(walk.motion)
+    laid = [lay(cycle, walk.motion, run) for run in ((0, 8), (20, 25))]
+    values, velocity, acceleration = rmse(laid, walk.motion.fps)
+    assert np.isfinite(values)
+    assert np.isnan([velocity, acceleration]).all()

@@ -18,8 +18,8 @@ __all__ = ["Laid", "lay", "npss", "rmse"]
 
 Array = NDArray[np.float64]
 
-# Phases at which a cycle is laid against its capture.
-_GRID = 256
+# Phases at which a cycle is laid against its capture, and the most frames of a run that decide.
+_GRID, _MOST = 256, 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,15 +53,15 @@ def lay(cycle: Cycle, motion: Motion, run: Run) -> Laid:
     """
     capture = motion.rotations[slice(*run), 1:]
     grid = cycle.rotations(np.arange(_GRID) / _GRID)[:, 1:]
-    squares = np.zeros((len(capture), _GRID))
+    steps = np.arange(len(capture)) / (cycle.period * motion.fps)
+    shown = np.linspace(0, len(capture) - 1, min(len(capture), _MOST)).astype(np.intp)
+    squares = np.zeros((len(shown), _GRID))
     for joint in range(capture.shape[1]):
-        cosine = np.abs(capture[:, joint] @ grid[:, joint].T)
+        cosine = np.abs(capture[shown, joint] @ grid[:, joint].T)
         squares += (2.0 * np.arccos(np.minimum(cosine, 1.0))) ** 2
-    frames = np.arange(len(capture))
-    steps = frames / (cycle.period * motion.fps)
-    nearest = np.round(steps * _GRID).astype(int)
-    distance = np.sqrt(squares)
-    sums = [distance[frames, (nearest + shift) % _GRID].sum() for shift in range(_GRID)]
+    distance, rows = np.sqrt(squares), np.arange(len(shown))
+    nearest = np.round(steps[shown] * _GRID).astype(np.intp)
+    sums = [distance[rows, (nearest + shift) % _GRID].sum() for shift in range(_GRID)]
     phase = steps + int(np.argmin(sums)) / _GRID
     return Laid(phase, capture, cycle.rotations(phase)[:, 1:])
 
@@ -70,7 +70,7 @@ def rmse(laid: Sequence[Laid], fps: float) -> tuple[float, float, float]:
     """Return RMS differences of rotations, velocities and accelerations ([C] eq. 4.1-4.3).
 
     Without [C]'s weights, in radians, radians a second and radians a second squared;
-    derivatives by eq. 3.23 and 3.24. Runs of fewer than 9 frames have none.
+    derivatives by eq. 3.23 and 3.24. Runs of fewer than 9 frames have none; NaN if all are.
     """
     apart = [part.apart for part in laid]
     derived = [finite_differences(values, fps) for values in apart if len(values) > 8]
@@ -81,7 +81,7 @@ def rmse(laid: Sequence[Laid], fps: float) -> tuple[float, float, float]:
 
 def _root_mean_square(parts: list[Array]) -> float:
     squares = [np.sum(values**2, axis=1) for values in parts]
-    return float(np.sqrt(np.mean(np.concatenate(squares)))) if squares else 0.0
+    return float(np.sqrt(np.mean(np.concatenate(squares)))) if squares else float("nan")
 
 
 def npss(truth: ArrayLike, other: ArrayLike, *, shift_invariant: bool = False) -> float:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from roundelay.figures.overview import barcode, coordinate, new_figure
+from roundelay.figures.overview import bar_colours, barcode, coordinate, new_figure
 from roundelay.figures.palette import ACCENT, INK, PALE
 from roundelay.figures.style import dress
-from roundelay.inspection import Inspection
+from roundelay.inspection import ClassFigures, Inspection
 from roundelay.motion import Motion
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def persistence_diagram(axes: Axes, bars: Barcode, chosen: int = 0) -> None:
 
 
 def inspection(motion: Motion, found: list[Inspection]) -> Figure:
-    """Draw one row a motion: barcode, persistence diagram, and each class's coordinate.
+    """Draw two rows a motion: barcode, persistence diagram, and each class's coordinate.
 
     Parameters
     ----------
@@ -50,21 +50,26 @@ def inspection(motion: Motion, found: list[Inspection]) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    most = max(len(item.classes) for item in found)
-    figure = new_figure(5.0 * (2 + most), 4.4 * len(found))
-    grid = figure.subplots(len(found), 2 + most, squeeze=False)
-    for row, item in zip(grid, found, strict=True):
+    across = -(-max(len(item.classes) for item in found) // 2)
+    figure = new_figure(4.2 * (2 + across), 6.0 * len(found))
+    grid = figure.add_gridspec(2 * len(found), 2 + across)
+    for top, item in zip(range(0, 2 * len(found), 2), found, strict=True):
         chosen = item.evidence.coordinate.class_index
-        barcode(row[0], item.evidence.barcode, chosen)
-        persistence_diagram(row[1], item.evidence.barcode, chosen)
-        for axes in row[2 + len(item.classes) :]:
-            axes.set_axis_off()
-        for axes, one in zip(row[2:], item.classes, strict=False):
-            if one.evidence is None:
-                axes.text(0.5, 0.5, one.fault, ha="center", wrap=True, transform=axes.transAxes)
-                dress(axes, f"class {one.index}")
-                continue
-            coordinate(axes, one.evidence, motion)
-            dress(axes, f"class {one.index}: {one.evidence.net:.2f} turns", x="time (s)", y="turns")
+        bars = figure.add_subplot(grid[top : top + 2, 0])
+        barcode(bars, item.evidence.barcode, bar_colours(item.evidence))
+        diagram = figure.add_subplot(grid[top : top + 2, 1])
+        persistence_diagram(diagram, item.evidence.barcode, chosen)
+        for place, one in enumerate(item.classes):
+            row, column = divmod(place, across)
+            _one_class(figure.add_subplot(grid[top + row, 2 + column]), one, motion)
     figure.suptitle(motion.name)
     return figure
+
+
+def _one_class(axes: Axes, one: ClassFigures, motion: Motion) -> None:
+    if one.evidence is None:
+        axes.text(0.5, 0.5, one.fault, ha="center", wrap=True, transform=axes.transAxes)
+        dress(axes, f"class {one.index}")
+        return
+    coordinate(axes, one.evidence, motion)
+    dress(axes, f"class {one.index}: {one.evidence.net:.2f} turns", x="time (s)", y="turns")

@@ -21,7 +21,16 @@ if TYPE_CHECKING:
     from roundelay.periodicity import Evidence
     from roundelay.topology.rips import Barcode
 
-__all__ = ["barcode", "coordinate", "in_plane", "new_figure", "overview", "plane", "save"]
+__all__ = [
+    "bar_colours",
+    "barcode",
+    "coordinate",
+    "in_plane",
+    "new_figure",
+    "overview",
+    "plane",
+    "save",
+]
 
 Array = NDArray[np.float64]
 
@@ -40,6 +49,12 @@ def barcode(axes: Axes, bars: Barcode, chosen: int | Mapping[int, str] = 0) -> N
     dress(axes, title, x="scale (body sizes)")
     axes.set_xlim(left=0.0)
     axes.set_ylim(-1, max(shown, 3))
+
+
+def bar_colours(evidence: Evidence) -> dict[int, str]:
+    """Return the colours of the bar used and of those that tell of the same motion."""
+    colours = dict.fromkeys(evidence.companions, COMPANION)
+    return colours | {evidence.coordinate.class_index: ACCENT}
 
 
 def coordinate(axes: Axes, evidence: Evidence, motion: Motion) -> None:
@@ -105,9 +120,7 @@ def overview(motion: Motion, cycles: list[Cycle]) -> Figure:
     grid = figure.subplots(len(cycles), 3, squeeze=False, width_ratios=(1.0, 1.4, 1.2))
     for row, cycle in zip(grid, cycles, strict=True):
         if cycle.evidence is not None:
-            colours = dict.fromkeys(cycle.evidence.companions, COMPANION)
-            colours[cycle.evidence.coordinate.class_index] = ACCENT
-            barcode(row[0], cycle.evidence.barcode, colours)
+            barcode(row[0], cycle.evidence.barcode, bar_colours(cycle.evidence))
             coordinate(row[1], cycle.evidence, motion)
             found = f"{cycle.evidence.repetitions:.2f} periods of {cycle.period:.2f} s"
             dress(row[1], f"circular coordinate: {found}", x="time (s)", y="turns")

@@ -30,6 +30,10 @@ def blocked(_: int) -> bool:
     return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
+def process(_: int) -> int:
+    return os.getpid()
+
+
 def slow(number: int) -> int:
     time.sleep(0.0 if number == 0 else 600.0)
     return number
@@ -49,6 +53,11 @@ def test_a_process_that_dies_between_tasks_costs_none():
             time.sleep(1.0)
     assert sorted(map(abs, results)) == [1, 2, 3, 4]
     assert {1, 2, 3} < set(results)
+
+
+def test_no_more_processes_than_the_system_can_wait_for(monkeypatch):
+    monkeypatch.setattr("roundelay.library.workers._MOST", 2)
+    assert len(set(spread(process, range(6), 6, lost=lambda task: -task))) <= 2
 
 
 def test_what_work_raises_is_raised():

@@ -17,6 +17,9 @@ __all__ = ["spread"]
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
+# Windows can wait for 63 handles at once; `concurrent.futures` stops at 61 processes, too.
+_MOST = 61 if os.name == "nt" else sys.maxsize
+
 
 def spread(
     work: Callable[[Task], Result],
@@ -34,10 +37,11 @@ def spread(
         A function of a module. What it raises is raised here.
     tasks : iterable
     jobs : int
-        How many processes; 1 for this one.
+        How many processes, of which Windows allows 61; 1 for this one.
     lost : callable
         Gives the result of a task whose process died, for instance for want of memory.
     """
+    jobs = min(jobs, _MOST)
     if jobs == 1:
         yield from map(work, tasks)
         return

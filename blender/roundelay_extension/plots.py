@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ from roundelay import Cycle, Motion
 from roundelay.poses import point_cloud, principal_components
 
 _SIZE, _MARGIN = 600, 30
+# What the name of an action may hold and that of a file may not, on Windows: "Armature|walk".
+_FORBIDDEN = re.compile(r'[\x00-\x1f"*/:<>?\\|]')
 
 
 def write(motion: Motion, cycle: Cycle, loop: Motion, folder: str, name: str) -> Path:
@@ -25,7 +28,7 @@ def write(motion: Motion, cycle: Cycle, loop: Motion, folder: str, name: str) ->
     placed = _MARGIN + (plane - low) / span * (_SIZE - 2 * _MARGIN)
     pieces = np.split(placed, np.cumsum([len(cloud) for cloud in clouds])[:-1])
     lines = [_line(piece, "#888", 1) for piece in pieces[:-1]] + [_line(pieces[-1], "#c22", 3)]
-    path = Path(folder) / f"{name.replace('/', '_')}.svg"
+    path = Path(folder) / f"{_FORBIDDEN.sub('_', name)}.svg"
     path.write_text(
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_SIZE}" height="{_SIZE}">'
         f'<rect width="100%" height="100%" fill="white"/>{"".join(lines)}</svg>\n',

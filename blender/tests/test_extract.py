@@ -248,6 +248,14 @@ def test_plots(jumps, tmp_path):
     assert (tmp_path / f"{action.name}.svg").read_text().count("<polyline") >= 2
 
 
+def test_names_of_plots_are_names_of_files_everywhere(jumps, tmp_path):
+    settings, name = bpy.context.scene.roundelay, 'Armature|walk: "1/2"?'
+    settings.use_plots, settings.plot_folder = True, str(tmp_path)
+    jumps.animation_data.action.name = name
+    bpy.ops.roundelay.extract()
+    assert [path.name for path in tmp_path.iterdir()] == ["Periodic Armature_walk_ _1_2__.svg"]
+
+
 def test_classes_by_hand(jumps):
     settings = bpy.context.scene.roundelay
     assert bpy.ops.roundelay.inspect() == {"FINISHED"}

@@ -18,6 +18,13 @@ def test_all_public_names_exist_and_are_documented():
         assert getattr(roundelay, name).__doc__, name
 
 
+def test_what_a_user_looks_at_is_shown_in_a_line(jumps, jump_cycles):
+    assert repr(jumps) == "Motion('01_01', 2752 frames at 120 fps, 31 joints)"
+    assert repr(jumps.skeleton) == "Skeleton(31 joints, root 'Hips')"
+    assert repr(jump_cycles).startswith("[Cycle('01_01', period 1.82")
+    assert len(repr(jump_cycles[0].evidence)) < 200
+
+
 def test_the_core_runs_on_numpy_alone():
     """Blender has NumPy and nothing else."""
     code = """

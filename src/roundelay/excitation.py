@@ -90,7 +90,7 @@ class Excitations:
         The significant ones, least p-value first.
     """
 
-    barcode: Barcode
+    barcode: Barcode = field(repr=False)
     classes: tuple[Excitation, ...]
 
 

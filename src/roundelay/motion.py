@@ -81,6 +81,10 @@ class Motion:
     def __len__(self) -> int:
         return len(self.root_path)
 
+    def __repr__(self) -> str:
+        joints = self.skeleton.n_joints
+        return f"Motion({self.name!r}, {len(self)} frames at {self.fps:.4g} fps, {joints} joints)"
+
     def __getitem__(self, frames: slice) -> Motion:
         """Return a half-open range of frames, ``motion[start:stop]``."""
         if not isinstance(frames, slice) or frames.step not in (None, 1):

@@ -64,6 +64,9 @@ class Skeleton:
         if any(not 0 <= joint < n for joint, _ in self.end_sites):
             raise ValueError("expected every end site on a joint of the skeleton")
 
+    def __repr__(self) -> str:
+        return f"Skeleton({self.n_joints} joints, root {self.names[0]!r})"
+
     @property
     def n_joints(self) -> int:
         """Number of joints, root included, end sites not."""

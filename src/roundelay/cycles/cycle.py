@@ -71,6 +71,10 @@ class Cycle:
     name: str = ""
     evidence: Evidence | None = field(default=None, repr=False)
 
+    def __repr__(self) -> str:
+        joints = self.skeleton.n_joints
+        return f"Cycle({self.name!r}, period {self.period:.3f} s, {joints} joints)"
+
     @property
     def travel(self) -> Array:
         """Displacement (3,) of the root over one period, in the skeleton's length unit."""

@@ -140,6 +140,19 @@ def test_progress_is_reported_and_cancels(jumps):
         rl.find_cycles(jumps[:900], progress=lambda *_: False)
 
 
+def test_the_search_of_the_arms_can_be_cancelled():
+    stages, fractions = [], []
+
+    def progress(fraction, stage):
+        stages.append(stage)
+        fractions.append(fraction)
+        return "looking at the arms alone" not in stages[:-1]
+
+    with pytest.raises(rl.Cancelled):
+        rl.find_cycles(synth.wander(8.0).motion, rl.Options(gestures=False), progress=progress)
+    assert fractions == sorted(fractions)
+
+
 def test_the_loop_has_no_seam(jump_cycles):
     loop = jump_cycles[0].sample(fps=60)
     again = jump_cycles[0].sample(fps=60, periods=2)

@@ -270,7 +270,8 @@ def _in_arms(
     report(progress, 0.5, "looking at the arms alone")
     arms = [motion.skeleton.names[joint] for joint in limbs]
     points = _points(motion, replace(options, joints=arms))
-    found = _periods(points, motion.fps, span, options, None)
+    stay = progress and (lambda _, stage: progress(0.5, stage))
+    found = _periods(points, motion.fps, span, options, stay)
     sure = [e for e in found if not e.closed and e.prominence >= _PROMINENT_ARMS]
     if not sure:
         raise NoPeriod("no loop of the arms stands out")

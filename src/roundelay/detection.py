@@ -250,8 +250,8 @@ def _near(points: Array, first: Part, second: Part, own: tuple[int, int]) -> boo
     clouds = [with_velocity(points, [run], period) for run in ((first.start, first.stop), own)]
     a, b = (cloud[:: max(1, len(cloud) // 200)] for cloud in clouds)
     apart = _squared(a, b)
-    nearest = np.median(apart.min(axis=1)) / _width(a), np.median(apart.min(axis=0)) / _width(b)
-    return bool(max(nearest) < _ALIKE)
+    pairs = ((a, apart.min(axis=1)), (b, apart.min(axis=0)))
+    return all(np.median(nearest) < _ALIKE * _width(cloud) for cloud, nearest in pairs)
 
 
 def _width(cloud: Array) -> float:

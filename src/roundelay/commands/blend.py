@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 
 Captures = Annotated[
     list[Path],
-    typer.Argument(
-        metavar="CAPTURE...", help="BVH or AMC files, one cycle each.", show_default=False
-    ),
+    typer.Argument(metavar="CAPTURE", help="BVH or AMC files, one cycle each.", show_default=False),
 ]
 Weights = Annotated[
     str | None,

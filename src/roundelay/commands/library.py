@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 Sources = Annotated[
     list[Path],
     typer.Argument(
-        metavar="FOLDER|FILE...",
+        metavar="FOLDER|FILE",
         help="Folders, searched to any depth for BVH and AMC files, or such files.",
         show_default=False,
     ),

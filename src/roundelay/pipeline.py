@@ -222,7 +222,7 @@ def _searched(
     points = _points(motion, options)
     span = _frames(motion, points, options.frames)
     if np.ptp(points[slice(*span)], axis=0).max() < _STILL:
-        raise NoPeriod("no periodic motion found: nothing moves")
+        raise NoPeriod("no periodic motion found: no joint moves against the root")
     if options.gestures:
         return _gestures(points, motion.fps, span, options, fewest=1), points
     try:

@@ -99,7 +99,7 @@ def _write(
             write(clip, path)
             record["files"].append(path.name)
     with written_beside(folder / f"{base}.csv") as part:
-        part.write_text(found.to_csv())
+        part.write_text(found.to_csv(), encoding="utf-8")
     if picture:
         from roundelay.figures import save
         from roundelay.figures.timeline import timeline

@@ -23,8 +23,7 @@ from typing import Any
 import numpy as np
 
 import roundelay as rl
-from roundelay.commands.limbs import source_parts
-from roundelay.cycles.repair import Mended, repaired, repaired_motion
+from roundelay.cycles.repair import Mended, repaired, repaired_motion, source_parts
 from roundelay.geometry.contacts import find_feet, foot_points, skate
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.separation import deepest

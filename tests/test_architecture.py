@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -37,6 +38,20 @@ print(len(rl.find_cycles(synth.gait("walk").motion)[0].sample(30)))
 """
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert shown.stdout.strip() == "33"
+
+
+def test_benchmarks_follow_the_library():
+    """They are not run here, but what they import is there; peers they import when they run."""
+    code = """
+import importlib, pathlib
+for path in pathlib.Path("benchmarks").glob("*.py"):
+    importlib.import_module(f"benchmarks.{path.stem}")
+    print(path.stem)
+"""
+    root = Path(__file__).parent.parent
+    command = [sys.executable, "-c", code]
+    shown = subprocess.run(command, capture_output=True, text=True, check=True, cwd=root)
+    assert "limbs" in shown.stdout.split()
 
 
 def test_an_interrupted_file_is_not_there(tmp_path):

@@ -142,8 +142,8 @@ class Evidence:
         if chosen:
             return None
         # One turn and a bit could be chance: the less is seen twice, the more its loop must
-        # stand out. Many turns one after the other are none, whatever else there is: three in
-        # four sure is enough.
+        # stand out. Many turns are no chance even if another bar is nearly as long: it is enough
+        # that prominence^-turns is at most a quarter.
         needed = max(1.0 + 0.5 / (self.net - 1.0), min(1.5, 4.0 ** (1.0 / self.net)))
         if self.prominence < needed:
             return f"its longest bar is {self.prominence:.2f} times the next, not {needed:.2f}"

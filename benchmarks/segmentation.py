@@ -54,7 +54,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/, labels/")
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument("--peers", default=sys.executable, help="Python with the peers, or none")
+    parser.add_argument(
+        "--peers", default=sys.executable, help="Python that has the peers; empty to leave them out"
+    )
     arguments = parser.parse_args()
     captures = labelled(arguments.data)
     programs = [(name, _ours(captures, name), count) for name, count in OURS.items()]

@@ -26,8 +26,8 @@ def bars(diagram: NDArray[np.float64], keep: int = 5000) -> list[list[float]]:
 
 def roundelay(points: Points) -> Result:
     """Frames -> coordinate, scale chosen by the motion in time."""
-    from roundelay.coordinate import circular_coordinate
     from roundelay.topology import persistent_cohomology
+    from roundelay.topology.coordinate import circular_coordinate
 
     barcode = persistent_cohomology(points, longest=1)
     coordinate = circular_coordinate(barcode, runs=[(0, len(points))])
@@ -36,8 +36,8 @@ def roundelay(points: Points) -> Result:
 
 def roundelay_all_bars(points: Points) -> Result:
     """All bars, and the coordinate as [A] has it: uniform weights, .7 of the life."""
-    from roundelay.coordinate import circular_coordinate
     from roundelay.topology import persistent_cohomology
+    from roundelay.topology.coordinate import circular_coordinate
 
     barcode = persistent_cohomology(points)
     phase = circular_coordinate(barcode, weights="uniform").phase
@@ -46,8 +46,8 @@ def roundelay_all_bars(points: Points) -> Result:
 
 
 def roundelay_landmarks(points: Points) -> Result:
-    from roundelay.coordinate import circular_coordinate
     from roundelay.topology import choose_landmarks, persistent_cohomology
+    from roundelay.topology.coordinate import circular_coordinate
 
     landmarks = choose_landmarks(points, count=400)
     barcode = persistent_cohomology(points[landmarks.indices], longest=1)

@@ -39,17 +39,18 @@ from numpy.typing import NDArray
 import roundelay
 from benchmarks.harmonic_metrics import composed, errors, euler_angles
 from benchmarks.raunio_tables import PUBLISHED, SCALE, Published
-from roundelay import pipeline
-from roundelay.cycles import models, paper
-from roundelay.cycles.fitting import fit_cycle
-from roundelay.cycles.paper_cycle import paper_cycle
-from roundelay.cycles.tempo import time_phase
-from roundelay.detection import candidate_parts
+from roundelay.cycles.models import constrained
+from roundelay.cycles.models.regression import fit_cycle
+from roundelay.cycles.models.weighted import paper_cycle
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
-from roundelay.periodicity import measure as measure_runs
-from roundelay.poses import point_cloud
-from roundelay.quality import quality, velocity_changes
+from roundelay.loops.quality import quality, velocity_changes
+from roundelay.motion.features import point_cloud
+from roundelay.motion.motion import Motion
+from roundelay.phase.tempo import time_phase
+from roundelay.reproduction import raunio
+from roundelay.timeline.evidence import measure as measure_runs
+from roundelay.timeline.proposals.recurrence import candidate_parts
+from roundelay.timeline.search import Search
 
 Array = NDArray[np.float64]
 
@@ -99,8 +100,8 @@ def faithful(motion: Motion, row: Published) -> dict[str, dict[str, Any]]:
     """Run M1, M2 and M3 with the settings of the tables."""
     angles = euler_angles(motion, motion.rotations)
     results = {}
-    for name, model in (("M1", models.M1), ("M2", models.M2), ("M3", models.M3)):
-        options = paper.PaperOptions(model, scale=SCALE[row.kind])
+    for name, model in (("M1", constrained.M1), ("M2", constrained.M2), ("M3", constrained.M3)):
+        options = raunio.PaperOptions(model, scale=SCALE[row.kind])
         try:
             found = with_primes(angles.reshape(len(motion), -1), options)
         except roundelay.RoundelayError as error:
@@ -110,18 +111,18 @@ def faithful(motion: Motion, row: Published) -> dict[str, dict[str, Any]]:
         turned = composed(motion, loop)
         results[name] = {
             **errors(motion, turned),
-            "plain": paper.template_error(angles.reshape(len(motion), -1), found.sample())[0],
+            "plain": raunio.template_error(angles.reshape(len(motion), -1), found.sample())[0],
             "rmse": found.errors,
             "periods": found.period_count,
         }
     return results
 
 
-def with_primes(values: Array, options: paper.PaperOptions) -> paper.PaperCycle:
+def with_primes(values: Array, options: raunio.PaperOptions) -> raunio.PaperCycle:
     """Try another prime if the class does not lift, as [C] advises its user."""
     for prime in (options.prime, 11, 23):
         try:
-            return paper.extract(values, replace(options, prime=prime))
+            return raunio.extract(values, replace(options, prime=prime))
         except roundelay.LiftError as error:
             refused = error
     raise refused
@@ -180,17 +181,15 @@ def measure(data: Path, only: Sequence[str], *, with_paper: bool) -> list[Row]:
 
 def stages(motion: Motion) -> dict[str, float]:
     """Return the best of 5 times of each stage of `find_cycles`, in milliseconds."""
-    points = pipeline._points(motion, roundelay.Options())
-    found = pipeline.find_periodic(motion)[0]
-    step = pipeline._step(motion.fps, len(motion))
+    search = Search.of_take(motion, roundelay.Options())
+    points, step = search.points, search.step
+    found = roundelay.find_periodic(motion)[0]
     phase = time_phase(points, found.turns, found.runs, frame_time=motion.frame_time)
     cycle = fit_cycle(motion, phase, found.runs)
     work = {
-        "poses": lambda: pipeline._points(motion, roundelay.Options()),
+        "poses": lambda: Search.of_take(motion, roundelay.Options()),
         "recurrence": lambda: candidate_parts(points[::step], motion.fps / step),
-        "topology": lambda: measure_runs(
-            points, found.runs, found.period, step, roundelay.TopologyOptions()
-        ),
+        "topology": lambda: measure_runs(search, found.runs, found.period),
         "time": lambda: time_phase(points, found.turns, found.runs, frame_time=motion.frame_time),
         "fit": lambda: fit_cycle(motion, phase, found.runs),
         "find_cycles, all": lambda: roundelay.find_cycles(motion),

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from roundelay.formats.acclaim import AcclaimLayout
 from roundelay.formats.euler import decompose
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
+from roundelay.motion.motion import Motion
 
 Array = NDArray[np.float64]
 

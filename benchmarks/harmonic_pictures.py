@@ -16,7 +16,7 @@ import roundelay
 from benchmarks.harmonic import captures, load, with_primes
 from benchmarks.harmonic_metrics import euler_angles
 from benchmarks.raunio_tables import PUBLISHED, SCALE
-from roundelay.cycles import paper
+from roundelay.reproduction import raunio
 
 # Rows where [C] fails: an error above .8 or one period.
 FAILED = ("02_01", "07_09", "16_08", "16_55", "16_57", "35_19", "35_26")
@@ -34,7 +34,7 @@ def pictures(data: Path, folder: Path) -> None:
         loops = {}
         with contextlib.suppress(roundelay.RoundelayError):
             loops["M1, faithful"] = with_primes(
-                angles, paper.PaperOptions(scale=SCALE[published.kind])
+                angles, raunio.PaperOptions(scale=SCALE[published.kind])
             ).sample()
         with contextlib.suppress(roundelay.RoundelayError):
             loop = roundelay.find_cycles(motion)[0].sample(in_place=True)
@@ -56,7 +56,7 @@ def pictures(data: Path, folder: Path) -> None:
             if name in loops:
                 closed = np.concatenate([loops[name], loops[name][:1]])
                 plane.plot(*((closed[:, 3:] - middle[3:]) @ principal.T).T, color=color)
-                shift = paper.template_error(angles[:, 3:], loops[name][:, 3:])[1]
+                shift = raunio.template_error(angles[:, 3:], loops[name][:, 3:])[1]
                 there = (np.arange(len(angles)) + shift) % len(loops[name])
                 axis.plot(loops[name][there, channel], color=color)
     figure.savefig(folder / "harmonic_failed_rows.png", dpi=70)

@@ -4,9 +4,9 @@ Usage: python -m benchmarks.limbs --data FOLDER [--pairs 200]
 
 Of all captures (BVH, AMC) below the folder: how many loops, blends of two cycles of one skeleton
 (at random weights) and transitions have bones that meet, meet more than in the captures they are
-made from, and still do so after `roundelay.cycles.repair`; by how many degrees a joint was turned;
-and of what was repaired the change of velocity across the seam, mean jerk and skate of a period,
-before and after, in body sizes and seconds (medians).
+made from, and still do so after `roundelay.cycles.edit.separate`; by how many degrees a joint was
+turned; and of what was repaired the change of velocity across the seam, mean jerk and skate of a
+period, before and after, in body sizes and seconds (medians).
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from typing import Any
 import numpy as np
 
 import roundelay as rl
-from roundelay.cycles.repair import Mended, repaired, repaired_motion, source_parts
+from roundelay.cycles.edit.separate import Mended, repaired, repaired_motion, source_parts
 from roundelay.geometry.contacts import find_feet, foot_points, skate
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.separation import deepest
-from roundelay.poses import point_cloud
-from roundelay.quality import jerk, velocity_changes
+from roundelay.loops.quality import jerk, velocity_changes
+from roundelay.motion.features import point_cloud
 
 Found = tuple[rl.Cycle, list[rl.Motion]]
 FPS = 120.0

@@ -22,7 +22,7 @@ from typing import Any
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.page import build_page
+from roundelay.output.page import build_page
 
 BUNDLED = sorted(Path(__file__).parent.parent.glob("data/captures/*.bvh"))
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]

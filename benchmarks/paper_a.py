@@ -28,13 +28,13 @@ import numpy as np
 import roundelay as rl
 from benchmarks.paper_a_data import KINDS, ROWS, Row, excerpt
 from benchmarks.raunio import find_capture
-from roundelay.excitation import Excitation, excitations
 from roundelay.geometry import contacts
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
-from roundelay.pipeline import Method
-from roundelay.poses import point_cloud
-from roundelay.quality import quality
+from roundelay.loops.quality import quality
+from roundelay.motion.features import point_cloud
+from roundelay.timeline.options import Method
+from roundelay.timeline.proposals.excitation import Excitation, excitations
 
 Result = TypeVar("Result")
 METRICS = ("euclidean", "variance", "adjacent")

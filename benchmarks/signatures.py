@@ -1,4 +1,4 @@
-"""Walks and runs of [C] told apart by `roundelay.signature`; a library made and searched.
+"""Walks and runs of [C] told apart by `roundelay.compare.distances`; a library made and searched.
 
 Usage: python -m benchmarks.signatures --data FOLDER [--json]
 
@@ -30,17 +30,17 @@ import numpy as np
 
 import roundelay as rl
 from benchmarks.raunio import RUNS, TABLES, find_capture
-from roundelay.library.catalogue import CATALOGUE, SIGNATURES
-from roundelay.library.groups import grouped
-from roundelay.library.spectra import Spectra, least_distances
-from roundelay.library.store import Shelf, write_shelves
-from roundelay.signature import (
+from roundelay.compare.distances import (
     bottleneck_distance,
     cluster,
     cycle_distance,
     distance_matrix,
     wasserstein_distance,
 )
+from roundelay.compare.spectra import Spectra, least_distances
+from roundelay.library.catalogue import CATALOGUE, SIGNATURES
+from roundelay.library.groups import grouped
+from roundelay.library.store import Shelf, write_shelves
 
 # Words of the descriptions, and the kinds they speak of.
 KINDS = {"walk": "walk", "run": "run", "boxing": "boxing"}

@@ -16,9 +16,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.coordinate import circular_coordinate
-from roundelay.errors import LiftError
+from roundelay.base.errors import LiftError
 from roundelay.topology import p_values, periodicity, persistent_cohomology
+from roundelay.topology.coordinate import circular_coordinate
 
 Points = NDArray[np.float64]
 DIMENSIONS = 10

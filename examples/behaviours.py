@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 import roundelay as rl
-from roundelay import figures, synth
+from roundelay import synth
+from roundelay.output import figures
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 walk, punch = synth.gait("walk", repetitions=5.0), synth.gait("punch", repetitions=5.0)

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import roundelay as rl
-from roundelay import figures
+from roundelay.output import figures
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 motion = rl.read(Path(__file__).parent.parent / "data" / "captures" / "01_01.bvh")

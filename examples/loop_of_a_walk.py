@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 
 import roundelay as rl
-from roundelay import figures, synth
+from roundelay import synth
+from roundelay.output import figures
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 made = synth.gait("walk", repetitions=3.6, seed=1)

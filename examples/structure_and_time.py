@@ -9,7 +9,8 @@ import sys
 from pathlib import Path
 
 import roundelay as rl
-from roundelay import figures, synth
+from roundelay import synth
+from roundelay.output import figures
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 made = synth.gait("punch", repetitions=2.5, seed=3)

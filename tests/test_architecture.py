@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import roundelay
-from roundelay.errors import FormatError
-from roundelay.files import written_beside
+from roundelay.base.errors import FormatError
+from roundelay.base.files import written_beside
 
 
 def test_all_public_names_exist_and_are_documented():

@@ -13,8 +13,9 @@ from roundelay import (
     synth,
 )
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
-from roundelay.poses import Array, point_cloud
+from roundelay.motion.features import point_cloud
+from roundelay.motion.motion import Motion
+from roundelay.timeline.search import Search
 
 
 def seam_and_steps(loop: Motion) -> tuple[float, float]:
@@ -87,21 +88,18 @@ def test_a_class_that_cannot_be_lifted_is_refused(monkeypatch: pytest.MonkeyPatc
     def unliftable(*_: object, **__: object) -> None:
         raise LiftError("class 0 lifts to no integer cocycle")
 
-    monkeypatch.setattr("roundelay.periodicity.circular_coordinate", unliftable)
+    monkeypatch.setattr("roundelay.timeline.evidence.circular_coordinate", unliftable)
     made = synth.gait("walk", repetitions=2.0, period=1.0).motion
     for motion in (made, made[:120]):
         with pytest.raises(NoPeriod, match="lifts to no integer cocycle"):
             find_cycles(motion, Options(gestures=False))
 
 
-def test_arms_alone_are_weighed_as_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen = []
-
-    def watched(motion: Motion, *args: object, weights: object = None, **others: object) -> Array:
-        seen.append(weights is not None)
-        return point_cloud(motion, *args, weights=weights, **others)  # type: ignore[arg-type]
-
-    monkeypatch.setattr("roundelay.pipeline.point_cloud", watched)
-    with pytest.raises(NoPeriod):
-        find_cycles(synth.wander(8.0).motion, Options(weights="length", gestures=False))
-    assert seen == [True, True]
+def test_arms_alone_are_weighed_as_asked_for():
+    motion = synth.wander(8.0).motion
+    lengths = motion.skeleton.bone_lengths
+    search = Search.of_take(motion, Options(weights="length"))
+    arms = search.of("arms")
+    joints = [0, *(1 + np.array(search.poses.groups["arms"]))]
+    expected = point_cloud(motion, joints=joints, weights=lengths / lengths.max())
+    assert np.array_equal(arms.points, expected)

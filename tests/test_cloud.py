@@ -9,13 +9,27 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.cloud import make_cloud
-from roundelay.poses import point_cloud
+from roundelay.base.spans import Spans
+from roundelay.motion.features import point_cloud
+from roundelay.timeline.cloud import PoseCloud, make_cloud
+from roundelay.timeline.search import Search
 
 
 @pytest.fixture(scope="module")
 def walk() -> rl.Motion:
     return synth.gait("walk", repetitions=3.2, noise=0.01).motion
+
+
+def cloud_of(
+    points: np.ndarray,
+    runs: list[tuple[int, int]],
+    period: float,
+    step: int,
+    topology: rl.TopologyOptions,
+) -> PoseCloud:
+    options = rl.Options(topology=topology)
+    search = Search(points, 60.0, (0, len(points)), step, options)
+    return make_cloud(search, Spans(runs), period)
 
 
 @pytest.mark.parametrize(
@@ -60,8 +74,8 @@ def test_every_feature_and_weight_finds_the_stride(walk, features, weights):
 def test_velocity_keeps_passages_apart(walk):
     """A pendulum passes each pose twice a period: only its velocity tells which way."""
     angle = np.sin(2 * np.pi * np.arange(300) / 100)[:, None]
-    still = make_cloud(angle, [(0, 300)], 100.0, 1, rl.TopologyOptions(delay=0.0))
-    moving = make_cloud(angle, [(0, 300)], 100.0, 1, rl.TopologyOptions())
+    still = cloud_of(angle, [(0, 300)], 100.0, 1, rl.TopologyOptions(delay=0.0))
+    moving = cloud_of(angle, [(0, 300)], 100.0, 1, rl.TopologyOptions())
     assert np.max(still.barcode.persistence, initial=0.0) < 0.1
     assert moving.barcode.persistence[0] > 1.0
 
@@ -69,14 +83,14 @@ def test_velocity_keeps_passages_apart(walk):
 def test_adjacent_frames_are_at_distance_zero(walk):
     points = point_cloud(walk)
     options = rl.TopologyOptions(metric="adjacent")
-    cloud = make_cloud(points, [(0, 150), (160, 300)], 130.0, 2, options)
+    cloud = cloud_of(points, [(0, 150), (160, 300)], 130.0, 2, options)
     # All frames of a run merge at scale 0.
     assert np.count_nonzero(cloud.barcode.components == 0.0) >= len(cloud.frames) - 2
 
 
 def test_delays_take_half_a_period_from_every_run(walk):
     points = point_cloud(walk)
-    cloud = make_cloud(points, [(0, 200), (220, 400)], 132.0, 2, rl.TopologyOptions(delays=6))
+    cloud = cloud_of(points, [(0, 200), (220, 400)], 132.0, 2, rl.TopologyOptions(delays=6))
     assert [b - a for a, b in cloud.local] == [100 - 33, 90 - 33]
     assert cloud.frames[-1] == 220 + 2 * (90 - 33 - 1)
 
@@ -84,21 +98,21 @@ def test_delays_take_half_a_period_from_every_run(walk):
 def test_long_clouds_are_thinned_to_landmarks():
     made = synth.gait("walk", repetitions=14)
     points = point_cloud(made.motion)
-    cloud = make_cloud(points, [(0, len(points))], 132.0, 2, rl.TopologyOptions())
+    cloud = cloud_of(points, [(0, len(points))], 132.0, 2, rl.TopologyOptions())
     assert cloud.barcode.n_points <= 500 < len(cloud.frames)
-    assert cloud.landmark_runs == [(0, cloud.barcode.n_points)]
+    assert cloud.landmark_runs == ((0, cloud.barcode.n_points),)
 
 
 def test_delays_are_those_of_following_frames():
     points = np.random.default_rng(0).normal(size=(60, 3))
-    cloud = make_cloud(points, [(0, 20), (20, 26), (30, 60)], 12.0, 1, rl.TopologyOptions(delays=2))
+    cloud = cloud_of(points, [(0, 20), (20, 26), (30, 60)], 12.0, 1, rl.TopologyOptions(delays=2))
     assert cloud.runs == ((0, 20), (30, 60))
-    assert cloud.local == [(0, 14), (14, 38)]
+    assert cloud.local == ((0, 14), (14, 38))
     for place, frame in [(0, 0), (13, 13), (14, 30), (37, 53)]:
         expected = points[[frame, frame + 3, frame + 6]].ravel() / np.sqrt(3)
         assert np.allclose(cloud.data[place], expected)
     with pytest.raises(rl.TooShort):
-        make_cloud(points, [(0, 6)], 12.0, 1, rl.TopologyOptions(delays=2))
+        cloud_of(points, [(0, 6)], 12.0, 1, rl.TopologyOptions(delays=2))
 
 
 @pytest.mark.parametrize("options", [{"delays": 4}, {"metric": "adjacent"}])
@@ -106,7 +120,7 @@ def test_long_captures_fit_in_memory(options):
     turns = 2 * np.pi * np.arange(6000) / 97.3
     circle = np.column_stack([np.cos(turns), np.sin(turns)])
     tracemalloc.start()
-    cloud = make_cloud(circle, [(0, 6000)], 97.3, 1, rl.TopologyOptions(**options))
+    cloud = cloud_of(circle, [(0, 6000)], 97.3, 1, rl.TopologyOptions(**options))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert len(cloud.barcode) >= 1
@@ -114,13 +128,16 @@ def test_long_captures_fit_in_memory(options):
 
 
 @pytest.mark.parametrize(
-    "options",
+    ("made", "options"),
     [
-        rl.Options(weights="height"),
-        rl.Options(topology=rl.TopologyOptions(metric="taxicab")),
-        rl.Options(topology=rl.TopologyOptions(delays=0)),
+        (rl.Options, {"weights": "height"}),
+        (rl.TopologyOptions, {"metric": "taxicab"}),
+        (rl.TopologyOptions, {"delays": 0}),
+        (rl.TopologyOptions, {"delay": -1.0}),
+        (rl.TopologyOptions, {"dimensions": 2.5}),
+        (rl.TopologyOptions, {"dimensions": 0}),
     ],
 )
-def test_unknown_choices_are_refused(walk, options):
-    with pytest.raises(ValueError, match="expected"):
-        rl.find_cycles(walk, options)
+def test_unknown_choices_are_refused(made, options):
+    with pytest.raises(ValueError, match=f"expected .*{next(iter(options))}"):
+        made(**options)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from clouds import closed_curve, torus
-from roundelay.coordinate import CircularCoordinate, circular_coordinate, turns
 from roundelay.topology import persistent_cohomology
+from roundelay.topology.coordinate import CircularCoordinate, circular_coordinate, turns
 from roundelay.topology.lattice import reduce_lattice
-from roundelay.toroidal import combined_coordinates, toroidal_coordinates
+from roundelay.topology.toroidal import combined_coordinates, toroidal_coordinates
 
 
 def agreement(a: np.ndarray, b: np.ndarray) -> float:

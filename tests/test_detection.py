@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from roundelay import synth
-from roundelay.detection import candidate_parts, leading_rest_pose, recurring_groups
-from roundelay.poses import point_cloud
+from roundelay.motion.features import point_cloud
+from roundelay.motion.poses import leading_rest_pose
+from roundelay.timeline.proposals.recurrence import (
+    candidate_parts,
+    recurring_groups,
+)
 
 
 def parts_of(made: synth.Synthetic, step: int = 2):

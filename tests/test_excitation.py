@@ -9,8 +9,8 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.excitation import excitations, regions_of
-from roundelay.poses import point_cloud
+from roundelay.motion.features import point_cloud
+from roundelay.timeline.proposals.excitation import excitations, regions_of
 
 
 @pytest.fixture(scope="module")

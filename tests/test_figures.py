@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import roundelay as rl
-import roundelay.figures as figures
+import roundelay.output.figures as figures
 from roundelay import synth
-from roundelay.excitation import Excitations, excitations
-from roundelay.figures.palette import phase_colours
-from roundelay.poses import point_cloud
+from roundelay.motion.features import point_cloud
+from roundelay.output.figures.palette import phase_colours
 from roundelay.segmentation import segment
+from roundelay.timeline.proposals.excitation import Excitations, excitations
 
 
 @pytest.fixture(scope="module")
@@ -142,7 +142,7 @@ def test_nothing_draws_on_import():
     import subprocess
     import sys
 
-    code = "import sys, roundelay.figures; print('matplotlib' in sys.modules)"
+    code = "import sys, roundelay.output.figures; print('matplotlib' in sys.modules)"
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert shown.stdout.strip() == "False"
 

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 import roundelay as rl
 from roundelay import synth
 from roundelay.cli import app
-from roundelay.excitation import Region
-from roundelay.gestures import gesture_runs
+from roundelay.timeline.proposals.excitation import Region
+from roundelay.timeline.proposals.gestures import gesture_runs
 
 FPS = 30
 
@@ -99,15 +99,15 @@ def test_regions_without_a_gap_are_one():
         )
 
     runs = gesture_runs(Excited(), (0, 505))
-    assert runs == [(0, 220), (390, 505)]
-    assert gesture_runs(Excited(), (20, 525)) == [(20, 240), (410, 525)]
+    assert runs == ((0, 220), (390, 505))
+    assert gesture_runs(Excited(), (20, 525)) == ((20, 240), (410, 525))
 
 
 def test_a_class_that_cannot_be_lifted_is_no_gesture(monkeypatch):
     def unliftable(*_, **__):
         raise rl.LiftError("class 0 lifts to no integer cocycle")
 
-    monkeypatch.setattr("roundelay.gestures.excitations", unliftable)
+    monkeypatch.setattr("roundelay.timeline.proposals.gestures.excitations", unliftable)
     wandering = synth.wander(8.0, seed=1).motion
     with pytest.raises(rl.NoPeriod, match="lifts to no integer cocycle"):
         rl.find_cycles(wandering, rl.Options(gestures=True))

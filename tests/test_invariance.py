@@ -9,9 +9,9 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.cycles.alignment import mirrored
+from roundelay.cycles.edit.align import mirrored
 from roundelay.geometry import rotations as rot
-from roundelay.quality import quality
+from roundelay.loops.quality import quality
 
 PHASE = np.linspace(0.0, 1.5, 40)
 # Body sizes: how much a value is smoothed is chosen for each of the world's axes by itself.

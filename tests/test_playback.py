@@ -9,9 +9,9 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.cycles.repair import Mended
+from roundelay.cycles.edit.separate import Mended
 from roundelay.geometry.collision import collisions
-from roundelay.playback import foot_contacts, playback_record
+from roundelay.loops.profiles import foot_contacts, playback_record
 
 
 @pytest.fixture(scope="module")

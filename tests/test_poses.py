@@ -6,16 +6,11 @@ import numpy as np
 import pytest
 
 from roundelay import synth
-from roundelay.errors import SkeletonMismatch
+from roundelay.base.errors import SkeletonMismatch
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
-from roundelay.poses import (
-    first_differences,
-    lag_distances,
-    point_cloud,
-    principal_components,
-    with_velocity,
-)
+from roundelay.motion.features import first_differences, point_cloud
+from roundelay.motion.motion import Motion
+from roundelay.motion.poses import lag_distances, principal_components, with_velocity
 
 
 @pytest.fixture(scope="module")

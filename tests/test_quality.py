@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from roundelay import concatenate, find_cycles, synth
-from roundelay.likeness import lay, npss, rmse
-from roundelay.quality import jerk, quality
-from roundelay.records import cycle_record, write_json
+from roundelay.loops.fit import lay, npss, rmse
+from roundelay.loops.quality import jerk, quality
+from roundelay.output.records import cycle_record, write_json
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from tests.segmentation.conftest import make_capture
 from typer.testing import CliRunner
 
 import roundelay as rl
-from roundelay import behaviours
+from roundelay import pipeline
 from roundelay.cli import app
 
 runner = CliRunner()
@@ -115,4 +115,4 @@ def test_frames_and_segments_do_not_go_together(capture, tmp_path):
 def test_segments_without_a_period(tmp_path):
     motion = rl.concatenate([make_capture("a").motion[:1]] * 400)
     with pytest.raises(rl.NoPeriod):
-        behaviours.cycles_in_segments(rl.segment(motion), motion)
+        pipeline.cycles_in_segments(rl.segment(motion), motion)

@@ -10,8 +10,7 @@ import pytest
 import roundelay as rl
 from clouds import noisy_circle, random_clouds
 from roundelay import synth
-from roundelay.cycles.alignment import mirrored, shifted
-from roundelay.signature import (
+from roundelay.compare.distances import (
     bottleneck_distance,
     cluster,
     cycle_distance,
@@ -19,6 +18,7 @@ from roundelay.signature import (
     search,
     wasserstein_distance,
 )
+from roundelay.cycles.edit.align import mirrored, shifted
 from roundelay.topology import Barcode, persistent_cohomology
 
 

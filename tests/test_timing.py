@@ -5,15 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from roundelay.errors import TooShort
-from roundelay.timing import (
-    line_period,
-    phase_map,
-    rank_remap,
-    return_period,
-    smooth_turns,
-    unwrap,
-)
+from roundelay.base.errors import TooShort
+from roundelay.phase.period import line_period, return_period
+from roundelay.phase.phase_map import phase_map, rank_remap
+from roundelay.phase.unwrap import smooth_turns, unwrap
 
 
 def uneven(phase: np.ndarray, depth: float = 0.7) -> np.ndarray:

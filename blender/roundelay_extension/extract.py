@@ -20,10 +20,10 @@ from roundelay import (
     find_cycles,
     segment,
 )
-from roundelay.behaviours import cycles_in_segments
-from roundelay.cycles.repair import source_parts
-from roundelay.inspection import Inspection, inspect
-from roundelay.quality import quality
+from roundelay.cycles.edit.separate import source_parts
+from roundelay.loops.quality import quality
+from roundelay.pipeline import cycles_in_segments
+from roundelay.timeline.inspection import Inspection, inspect
 
 from . import plots
 from .bones import left_out

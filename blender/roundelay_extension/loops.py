@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from roundelay import Cycle, Motion, NoPeriod, Options, TopologyOptions
-from roundelay.cycles.fitting import fit_cycle
-from roundelay.cycles.harmonic import HarmonicCurve
-from roundelay.cycles.repair import repaired
-from roundelay.inspection import inspect
+from roundelay.cycles.edit.separate import repaired
+from roundelay.cycles.models.regression import fit_cycle
+from roundelay.phase.harmonic import HarmonicCurve
 from roundelay.pipeline import make_cycle
+from roundelay.timeline.inspection import inspect
 
 Chosen = Sequence[tuple[int, int]]
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay import Cycle, Motion
-from roundelay.poses import point_cloud, principal_components
+from roundelay.motion.features import point_cloud
+from roundelay.motion.poses import principal_components
 
 _SIZE, _MARGIN = 600, 30
 # What the name of an action may hold and that of a file may not, on Windows: "Armature|walk".

@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from roundelay import Motion, Segmentation, segment
-from roundelay.behaviours import with_periods
+from roundelay.pipeline import with_periods
 from roundelay.segmentation import Segment
 
 from . import compat

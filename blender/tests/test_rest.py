@@ -65,7 +65,7 @@ def test_cancel(jumps):
 
     def call(progress):
         while True:
-            reports.append(roundelay.progress.report(progress, 0.5, "working"))
+            reports.append(roundelay.base.progress.report(progress, 0.5, "working"))
 
     steps = jobs.threaded(call)
     assert next(steps) == (0.5, "working")

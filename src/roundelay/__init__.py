@@ -6,14 +6,10 @@ Names are loaded when first used, so that the command line answers at once.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from roundelay.version import __version__ as __version__
+from roundelay.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from roundelay.behaviours import with_periods
-    from roundelay.cloud import TopologyOptions
-    from roundelay.cycles.blend import CycleSpace, blend, transition
-    from roundelay.cycles.cycle import Cycle
-    from roundelay.errors import (
+    from roundelay.base.errors import (
         Cancelled,
         FormatError,
         LiftError,
@@ -24,30 +20,31 @@ if TYPE_CHECKING:
         TooLarge,
         TooShort,
     )
-    from roundelay.excitation import excitations
-    from roundelay.formats import read, write
-    from roundelay.library import Library, LoopOptions, Match, build_library
-    from roundelay.motion import Motion, concatenate
-    from roundelay.periodicity import Evidence
-    from roundelay.pipeline import Options, find_cycles, find_periodic, make_cycle
-    from roundelay.poses import point_cloud
-    from roundelay.quality import Quality
-    from roundelay.segmentation import Segmentation, segment
-    from roundelay.signature import (
+    from roundelay.compare.distances import (
         bottleneck_distance,
         cluster,
         cycle_distance,
         distance_matrix,
         wasserstein_distance,
     )
-    from roundelay.skeleton import Skeleton
+    from roundelay.cycles.cycle import Cycle
+    from roundelay.cycles.edit.blend import CycleSpace, blend, transition
+    from roundelay.formats import read, write
+    from roundelay.geometry.skeleton import Skeleton
+    from roundelay.library import Library, LoopOptions, Match, build_library
+    from roundelay.loops.quality import Quality, quality
+    from roundelay.motion.features import point_cloud
+    from roundelay.motion.motion import Motion, concatenate
+    from roundelay.pipeline import find_cycles, find_periodic, make_cycle, with_periods
+    from roundelay.segmentation import Segmentation, segment
+    from roundelay.timeline.evidence import Evidence
+    from roundelay.timeline.options import Options, TopologyOptions
+    from roundelay.timeline.proposals.excitation import excitations
 
 _HOMES = {
-    "behaviours": ("with_periods",),
-    "cloud": ("TopologyOptions",),
-    "cycles.blend": ("CycleSpace", "blend", "transition"),
+    "cycles.edit.blend": ("CycleSpace", "blend", "transition"),
     "cycles.cycle": ("Cycle",),
-    "errors": (
+    "base.errors": (
         "Cancelled",
         "FormatError",
         "LiftError",
@@ -58,23 +55,24 @@ _HOMES = {
         "TooLarge",
         "TooShort",
     ),
-    "excitation": ("excitations",),
+    "timeline.proposals.excitation": ("excitations",),
     "formats": ("read", "write"),
     "library": ("Library", "LoopOptions", "Match", "build_library"),
-    "motion": ("Motion", "concatenate"),
-    "periodicity": ("Evidence",),
-    "pipeline": ("Options", "find_cycles", "find_periodic", "make_cycle"),
-    "poses": ("point_cloud",),
-    "quality": ("Quality",),
+    "motion.motion": ("Motion", "concatenate"),
+    "timeline.evidence": ("Evidence",),
+    "pipeline": ("find_cycles", "find_periodic", "make_cycle", "with_periods"),
+    "timeline.options": ("Options", "TopologyOptions"),
+    "motion.features": ("point_cloud",),
+    "loops.quality": ("Quality", "quality"),
     "segmentation": ("Segmentation", "segment"),
-    "signature": (
+    "compare.distances": (
         "bottleneck_distance",
         "cluster",
         "cycle_distance",
         "distance_matrix",
         "wasserstein_distance",
     ),
-    "skeleton": ("Skeleton",),
+    "geometry.skeleton": ("Skeleton",),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
 
@@ -112,6 +110,7 @@ __all__ = [
     "find_periodic",
     "make_cycle",
     "point_cloud",
+    "quality",
     "read",
     "segment",
     "transition",

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion, concatenate
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.motion import Motion, concatenate
 
 __all__ = ["Gait", "Synthetic", "gait", "humanoid", "sequence", "wander"]
 

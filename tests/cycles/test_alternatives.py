@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from roundelay.cycles.alternatives import fit_reweighted, fit_ridge, fit_turning
-from roundelay.cycles.harmonic import design_matrix
+from roundelay.phase.harmonic import design_matrix
+from roundelay.reproduction.alternatives import fit_reweighted, fit_ridge, fit_turning
 
 
 @pytest.fixture

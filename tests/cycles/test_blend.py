@@ -10,10 +10,10 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.cycles.alignment import align, mirrored, shifted
-from roundelay.cycles.harmonic import HarmonicCurve
+from roundelay.cycles.edit.align import align, mirrored, shifted
 from roundelay.geometry import rotations as rot
-from roundelay.poses import point_cloud
+from roundelay.motion.features import point_cloud
+from roundelay.phase.harmonic import HarmonicCurve
 
 
 @pytest.fixture(scope="module")

@@ -7,9 +7,9 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.cycles.centroid import centroid_cycle
+from roundelay.cycles.models.centroid import centroid_cycle
 from roundelay.geometry import rotations as rot
-from roundelay.mixture import fit_circular_mixture
+from roundelay.phase.mixture import fit_circular_mixture
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def test_the_body_faces_where_it_faced(angle):
 def test_it_is_a_method_of_the_main_job(made):
     (cycle,) = rl.find_cycles(made.motion, rl.Options(method="centroid"))
     assert len(cycle.pose.frequencies) > 200
-    with pytest.raises(ValueError, match="expected a method"):
+    with pytest.raises(ValueError, match="expected a cycle model"):
         rl.find_cycles(made.motion, rl.Options(method="magic"))
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from roundelay import find_cycles, synth
-from roundelay.cycles.harmonic import crossfade_weights, design_matrix, fit_harmonic
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
+from roundelay.motion.motion import Motion
+from roundelay.phase.harmonic import crossfade_weights, design_matrix, fit_harmonic
 
 
 def steps(motion: Motion) -> np.ndarray:

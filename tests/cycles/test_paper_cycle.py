@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 import roundelay as rl
 from roundelay import synth
 from roundelay.cli import app
-from roundelay.cycles.paper_cycle import paper_cycle
+from roundelay.cycles.models.weighted import paper_cycle
 from roundelay.geometry import rotations as rot
-from roundelay.quality import quality
+from roundelay.loops.quality import quality
 
 PAPER = rl.Options(method="paper")
 

@@ -7,11 +7,11 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.cycles.repair import repaired, repaired_motion
-from roundelay.cycles.standing import standing_feet
+from roundelay.cycles.contacts import standing_feet
+from roundelay.cycles.edit.separate import repaired, repaired_motion
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.separation import deepest
-from roundelay.quality import jerk, velocity_changes
+from roundelay.loops.quality import jerk, velocity_changes
 
 
 def meeting(motion: rl.Motion) -> dict:

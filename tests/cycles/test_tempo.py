@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from roundelay import find_cycles, synth
-from roundelay.cycles.tempo import agreement_period, time_phase
+from roundelay.motion.features import point_cloud
+from roundelay.phase.phase_map import mixture_remap, rank_remap
+from roundelay.phase.tempo import agreement_period, time_phase
+from roundelay.phase.unwrap import unwrap
 from roundelay.pipeline import find_periodic
-from roundelay.poses import point_cloud
-from roundelay.timing import mixture_remap, rank_remap, unwrap
 
 
 def off_by(phase: np.ndarray, truth: np.ndarray) -> float:

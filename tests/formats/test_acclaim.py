@@ -385,7 +385,7 @@ def places(motion: Motion, like: Motion) -> np.ndarray:
     return motion.positions()[:, joints]
 
 
-@pytest.mark.filterwarnings("ignore::roundelay.errors.RoundelayWarning")
+@pytest.mark.filterwarnings("ignore::roundelay.base.errors.RoundelayWarning")
 @pytest.mark.parametrize("name", ["01_01", "Boxing_Toes"])
 def test_from_bvh_to_amc_and_back(captures, tmp_path, name):
     motion = read(captures / f"{name}.bvh")[:200]

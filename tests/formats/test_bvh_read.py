@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from roundelay import FormatError, read
-from roundelay.errors import RoundelayWarning
+from roundelay.base.errors import RoundelayWarning
 from roundelay.geometry import rotations as rot
 
 BODY = """1 2 3 10 20 30 1 2 3 4 5 6

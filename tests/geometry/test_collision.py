@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 from roundelay import synth
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.collision import collisions, segment_distances
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
 
 points = arrays(float, (4, 3), elements=st.integers(-3, 3).map(float))
 

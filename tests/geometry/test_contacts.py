@@ -6,18 +6,12 @@ import numpy as np
 import pytest
 
 from roundelay import find_cycles, synth
-from roundelay.cycles.footlock import lock_feet, lock_offsets, move_foot
+from roundelay.base.spans import closed_spans
+from roundelay.cycles.edit.footlock import lock_feet, lock_offsets, move_foot
 from roundelay.geometry import rotations as rot
-from roundelay.geometry.contacts import (
-    closed_stretches,
-    contacts,
-    find_feet,
-    foot_points,
-    shoulders,
-    skate,
-)
+from roundelay.geometry.contacts import contacts, find_feet, foot_points, shoulders, skate
 from roundelay.geometry.kinematics import forward_kinematics
-from roundelay.motion import Motion
+from roundelay.motion.motion import Motion
 
 
 @pytest.fixture(scope="module")
@@ -139,4 +133,4 @@ def test_no_feet_no_change() -> None:
 def test_ranges_across_the_seam_are_told_once(
     mask: list[int], expected: list[tuple[int, int]]
 ) -> None:
-    assert closed_stretches(np.array(mask, bool)) == expected
+    assert closed_spans(np.array(mask, bool)) == expected

@@ -10,8 +10,8 @@ from tests.library.conftest import other_body
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.cycles.alignment import mirrored, shifted
-from roundelay.library.spectra import Spectra, least_distances
+from roundelay.compare.spectra import Spectra, least_distances
+from roundelay.cycles.edit.align import mirrored, shifted
 
 
 @pytest.fixture(scope="module")

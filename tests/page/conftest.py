@@ -11,7 +11,7 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.page import build_page
+from roundelay.output.page import build_page
 
 ARGUMENTS = [
     "--no-sandbox",

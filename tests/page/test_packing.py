@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from roundelay.page.packing import Packer
+from roundelay.output.page.packing import Packer
 
 from .unpack import unpacked, values
 

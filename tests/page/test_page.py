@@ -9,10 +9,10 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.figures.space import Space, bones
-from roundelay.page import build_page
-from roundelay.page.bundle import bundle, bundled_script
-from roundelay.page.capture import sampling_step
+from roundelay.output.figures.space import Space, bones
+from roundelay.output.page import build_page
+from roundelay.output.page.bundle import bundle, bundled_script
+from roundelay.output.page.capture import sampling_step
 
 from .unpack import unpacked, values
 
@@ -96,7 +96,7 @@ def test_every_module_is_bundled_once():
     from importlib.resources import files
 
     script = bundled_script()
-    for module in files("roundelay.page").joinpath("modules").iterdir():
+    for module in files("roundelay.output.page").joinpath("modules").iterdir():
         assert script.count(f"const module_{module.name.removesuffix('.js')} =") == 1
     assert not re.search(r"^(import|export) ", script, re.MULTILINE)
 

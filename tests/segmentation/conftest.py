@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.motion import Motion
 from roundelay.segmentation import STANDARD_JOINTS, Truth
-from roundelay.skeleton import Skeleton
 
 FPS = 120.0
 

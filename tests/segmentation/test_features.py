@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.segmentation.conftest import make_capture, skeleton
 
-from roundelay.errors import SkeletonMismatch
+from roundelay.base.errors import SkeletonMismatch
 from roundelay.segmentation import STANDARD_JOINTS, corresponding_joints, joint_quaternions
 
 MIXAMO = """Spine Spine1 Spine2 Neck Head HeadTop_End LeftShoulder LeftArm LeftForeArm LeftHand

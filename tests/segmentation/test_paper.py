@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
+from roundelay.reproduction.matrices import mahalanobis_matrix, projection_error_matrix
 from roundelay.segmentation import (
     GMMOptions,
     OnlinePCA,
     OnlinePPCA,
     PCAOptions,
     PPCAOptions,
-    mahalanobis_matrix,
-    projection_error_matrix,
 )
 from roundelay.segmentation.gmm import fit_mixture, gmm_labels, merge_short
 from roundelay.segmentation.pca import intrinsic_dimension

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.segmentation.conftest import make_capture
 
-from roundelay.errors import SkeletonMismatch, TooShort
-from roundelay.motion import concatenate
+from roundelay.base.errors import SkeletonMismatch, TooShort
+from roundelay.motion.motion import concatenate
 from roundelay.segmentation import (
     STANDARD_JOINTS,
     GaussianOptions,

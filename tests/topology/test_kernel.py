@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from clouds import PRIMES, noisy_circle, random_clouds
-from roundelay.coordinate import circular_coordinate
 from roundelay.topology import kernel, persistent_cohomology
+from roundelay.topology.coordinate import circular_coordinate
 from roundelay.topology.kernel.compiled import Compiled
 from roundelay.topology.kernel.reduction import Reduction, count_up_to, ends
 from roundelay.topology.kernel.twin import Twin

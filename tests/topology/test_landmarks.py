@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from clouds import closed_curve, full_matrix
-from roundelay.coordinate import circular_coordinate
-from roundelay.errors import TooShort
+from roundelay.base.errors import TooShort
 from roundelay.topology import (
     Landmarks,
     choose_landmarks,
     pairwise_distances,
     persistent_cohomology,
 )
+from roundelay.topology.coordinate import circular_coordinate
 from roundelay.topology.landmarks import Method
 
 PHASE = np.linspace(0, 3, 1500) % 1.0

@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from roundelay.coordinate import circular_coordinate
-from roundelay.errors import LiftError
+from roundelay.base.errors import LiftError
 from roundelay.topology import Barcode, persistent_cohomology
+from roundelay.topology.coordinate import circular_coordinate
 from roundelay.topology.kernel.reduction import Columns
 from roundelay.topology.lift import lift_to_integers
 

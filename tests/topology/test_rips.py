@@ -5,7 +5,7 @@ import pytest
 import ripser
 
 from clouds import PRIMES, full_matrix, noisy_circle, random_clouds
-from roundelay.errors import TooLarge, TooShort
+from roundelay.base.errors import TooLarge, TooShort
 from roundelay.topology import Barcode, pairwise_distances, persistent_cohomology
 from roundelay.topology import rips as rips_module
 

@@ -63,7 +63,7 @@ def test_a_loop_run_to_and_fro_is_not_periodic() -> None:
 
 
 def test_periodicity_of_a_found_coordinate() -> None:
-    from roundelay.coordinate import circular_coordinate
+    from roundelay.topology.coordinate import circular_coordinate
 
     phase = np.linspace(0, 4, 240)
     rng = np.random.default_rng(0)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from roundelay.cycles.cycle import Cycle
-    from roundelay.motion import Motion
+    from roundelay.motion.motion import Motion
 
 Captures = Annotated[
     list[Path],
@@ -63,10 +63,10 @@ def blend(
     than in the captures are parted.
     """
     with one_line_errors():
-        from roundelay.cycles.blend import blend as blend_cycles
-        from roundelay.cycles.repair import repaired
+        from roundelay.cycles.edit.blend import blend as blend_cycles
+        from roundelay.cycles.edit.separate import repaired
         from roundelay.formats import write
-        from roundelay.playback import playback_record
+        from roundelay.loops.profiles import playback_record
 
         shares = _shares(weights, len(captures))
         cycles, sources = _best_cycles(captures, mirror)
@@ -93,10 +93,10 @@ def transition(
 ) -> None:
     """Go from the best cycle of one capture to that of another, the phase running on."""
     with one_line_errors():
-        from roundelay.cycles.blend import transition as make_transition
-        from roundelay.cycles.repair import repaired_motion
+        from roundelay.cycles.edit.blend import transition as make_transition
+        from roundelay.cycles.edit.separate import repaired_motion
         from roundelay.formats import write
-        from roundelay.playback import limb_record
+        from roundelay.loops.profiles import limb_record
 
         (start, end), sources = _best_cycles([first, second], mirror)
         motion = make_transition(
@@ -118,8 +118,8 @@ def transition(
 
 def _best_cycles(paths: Sequence[Path], mirror: bool) -> tuple[list[Cycle], list[Motion]]:
     """Return the best cycle of each capture, and the parts of the captures that show them."""
-    from roundelay.cycles.repair import source_parts
-    from roundelay.errors import NoPeriod
+    from roundelay.base.errors import NoPeriod
+    from roundelay.cycles.edit.separate import source_parts
     from roundelay.pipeline import find_cycles
 
     cycles, sources = [], []

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 if TYPE_CHECKING:
-    from roundelay.motion import Motion
-    from roundelay.progress import Progress
+    from roundelay.base.progress import Progress
+    from roundelay.motion.motion import Motion
 
 __all__ = [
     "BAD_INPUT",
@@ -71,7 +71,7 @@ def one_line_errors(capture: Path | None = None) -> Iterator[None]:
 
     Errors that name no file themselves are those of `capture`, if that is given.
     """
-    from roundelay.errors import FormatError, NoPeriod, RoundelayError
+    from roundelay.base.errors import FormatError, NoPeriod, RoundelayError
 
     named = "" if capture is None else f"{capture}: "
 

@@ -24,7 +24,7 @@ from roundelay.commands.loop import Picture
 from roundelay.commands.options import Joints, Metric, Prime
 
 if TYPE_CHECKING:
-    from roundelay.excitation import Excitation
+    from roundelay.timeline.proposals.excitation import Excitation
 
 Poses = Annotated[
     bool, typer.Option("--poses", help="Look at poses alone, as [A] does, without velocities.")
@@ -59,9 +59,9 @@ def excitations(
     Writes NAME_excitations.json and NAME_excitations.png. Loops of what recurs with something
     else between are made by `roundelay loop --gestures`.
     """
-    from roundelay.excitation import excitations as find_excitations
-    from roundelay.poses import point_cloud
-    from roundelay.records import capture_record, write_json
+    from roundelay.motion.features import point_cloud
+    from roundelay.output.records import capture_record, write_json
+    from roundelay.timeline.proposals.excitation import excitations as find_excitations
 
     with one_line_errors(capture):
         motion = read_capture(capture, skeleton).with_root_motion()
@@ -90,7 +90,7 @@ def excitations(
         }
         write_json(record, folder / f"{capture.stem}_excitations.json")
         if picture:
-            from roundelay import figures
+            from roundelay.output import figures
 
             drawn = figures.excitations(motion, found, start=first)
             figures.save(drawn, folder / f"{capture.stem}_excitations.png")

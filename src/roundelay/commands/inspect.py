@@ -23,8 +23,8 @@ from roundelay.commands.loop import Picture
 from roundelay.commands.options import SearchOptions, takes_search
 
 if TYPE_CHECKING:
-    from roundelay.inspection import Inspection
-    from roundelay.periodicity import Evidence
+    from roundelay.timeline.evidence import Evidence
+    from roundelay.timeline.inspection import Inspection
 
 Shown = Annotated[int, typer.Option("--classes", help="Classes to follow for each motion.", min=1)]
 
@@ -48,7 +48,7 @@ def inspect(
 
     Exit code 0: there are candidates, periodic or not; 2: bad input; 3: no pose comes back.
     """
-    from roundelay.inspection import inspect as inspect_motion
+    from roundelay.timeline.inspection import inspect as inspect_motion
 
     with one_line_errors(capture):
         with progress_bar(quiet=json):
@@ -56,11 +56,11 @@ def inspect(
             options, folder = search.resolved(motion), output_directory(output)
             found = inspect_motion(motion, options, most=classes)
         record = _record(motion, capture, options, found)
-        from roundelay.records import write_json
+        from roundelay.output.records import write_json
 
         write_json(record, folder / f"{capture.stem}_inspect.json")
         if picture:
-            from roundelay.figures import inspection, save
+            from roundelay.output.figures import inspection, save
 
             save(inspection(motion, found), folder / f"{capture.stem}_inspect.png")
         if json:
@@ -72,7 +72,7 @@ def inspect(
 
 
 def _record(motion: Any, capture: Path, options: Any, found: list[Inspection]) -> dict[str, Any]:
-    from roundelay.records import capture_record, evidence_record
+    from roundelay.output.records import capture_record, evidence_record
 
     motions = [
         {

@@ -24,8 +24,8 @@ from roundelay.commands.limbs import Repair
 from roundelay.commands.loop import Format, Fps, InPlace, RepeatFirst
 
 if TYPE_CHECKING:
+    from roundelay.base.progress import Progress
     from roundelay.library import Library
-    from roundelay.progress import Progress
 
 Sources = Annotated[
     list[Path],

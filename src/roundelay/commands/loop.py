@@ -24,12 +24,12 @@ from roundelay.commands.limbs import Repair, print_limbs
 from roundelay.commands.options import SearchOptions, takes_search
 
 if TYPE_CHECKING:
+    from roundelay.base.errors import NoPeriod
+    from roundelay.base.progress import Progress
     from roundelay.cycles.cycle import Cycle
-    from roundelay.cycles.repair import Mended
-    from roundelay.errors import NoPeriod
-    from roundelay.motion import Motion
-    from roundelay.pipeline import Options
-    from roundelay.progress import Progress
+    from roundelay.cycles.edit.separate import Mended
+    from roundelay.motion.motion import Motion
+    from roundelay.timeline.options import Options
 
 Most = Annotated[
     int | None, typer.Option("--classes", help="At most so many loops.", min=1, show_default=False)
@@ -99,7 +99,7 @@ def loop(
 
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found.
     """
-    from roundelay.errors import NoPeriod
+    from roundelay.base.errors import NoPeriod
 
     with one_line_errors(capture):
         if file_format not in _FORMATS:
@@ -139,8 +139,7 @@ def _cycles(
     motion: Motion, options: Options, segments: bool, progress: Progress | None
 ) -> list[Cycle]:
     """Find the cycles of the whole capture, or of each of its segments."""
-    from roundelay.behaviours import cycles_in_segments
-    from roundelay.pipeline import find_cycles
+    from roundelay.pipeline import cycles_in_segments, find_cycles
     from roundelay.segmentation import segment
 
     if not segments:
@@ -151,7 +150,7 @@ def _cycles(
 
 
 def _repaired(motion: Motion, cycle: Cycle) -> tuple[Cycle, tuple[Mended, ...]]:
-    from roundelay.cycles.repair import repaired, source_parts
+    from roundelay.cycles.edit.separate import repaired, source_parts
 
     return repaired(cycle, source_parts(cycle, motion))
 
@@ -164,7 +163,7 @@ def _refuse(
     refusal: NoPeriod,
     json: bool,
 ) -> None:
-    from roundelay.records import capture_record, refusal_record, write_json
+    from roundelay.output.records import capture_record, refusal_record, write_json
 
     record = capture_record(motion, capture, options) | refusal_record(refusal)
     write_json(record, folder / f"{capture.stem}_loop.json")
@@ -186,9 +185,9 @@ def _write(
 ) -> dict[str, Any]:
     """Write loops, picture and record; return the record."""
     from roundelay.formats import write
-    from roundelay.playback import playback_record
-    from roundelay.quality import quality
-    from roundelay.records import capture_record, cycle_record, write_json
+    from roundelay.loops.profiles import playback_record
+    from roundelay.loops.quality import quality
+    from roundelay.output.records import capture_record, cycle_record, write_json
 
     base = f"{capture.stem}_loop"
     record = capture_record(motion, capture, options) | {"sampling": sampling, "cycles": []}
@@ -200,7 +199,7 @@ def _write(
         playback = playback_record(cycle, **sampling, mended=mended)
         record["cycles"].append(entry | {"loop_frames": len(sampled), "playback": playback})
     if picture:
-        from roundelay.figures import overview, save
+        from roundelay.output.figures import overview, save
 
         save(overview(motion, [cycle for cycle, _ in loops]), folder / f"{base}.png")
     write_json(record, folder / f"{base}.json")
@@ -209,7 +208,7 @@ def _write(
 
 def _animate(record: dict[str, Any], cycles: list[Cycle], folder: Path) -> None:
     """Write each loop as a GIF beside its file."""
-    from roundelay.figures import animation
+    from roundelay.output.figures import animation
 
     for entry, cycle in zip(record["cycles"], cycles, strict=True):
         path = folder / entry["files"][0]

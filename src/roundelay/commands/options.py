@@ -13,8 +13,8 @@ import typer
 from roundelay.commands.common import Frames, frame_range
 
 if TYPE_CHECKING:
-    from roundelay.motion import Motion
-    from roundelay.pipeline import Options
+    from roundelay.motion.motion import Motion
+    from roundelay.timeline.options import Options
 
 __all__ = ["Joints", "Metric", "Prime", "SearchOptions", "takes_search"]
 
@@ -131,8 +131,7 @@ class SearchOptions:
 
     def resolved(self, motion: Motion, **others: Any) -> Options:
         """Return the options of the main job for a capture, with further fields of them."""
-        from roundelay.cloud import TopologyOptions
-        from roundelay.pipeline import Options
+        from roundelay.timeline.options import Options, TopologyOptions
 
         axes = self.dimensions
         whole = axes is not None and axes >= 1.0 and axes.is_integer()
@@ -147,7 +146,7 @@ class SearchOptions:
                 class_index=self.class_index,
                 max_scale=self.max_scale,
                 scale=self.scale,
-                delay=None if self.delay is None else self.delay * motion.fps,
+                delay=self.delay,
                 delays=self.delays,
                 metric=cast("Any", self.metric),
                 dimensions=int(cast("float", axes)) if whole else axes,

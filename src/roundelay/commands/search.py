@@ -47,7 +47,8 @@ def search(
     capture has no periodic motion.
     """
     from roundelay.library import Library
-    from roundelay.pipeline import Options, find_cycles
+    from roundelay.pipeline import find_cycles
+    from roundelay.timeline.options import Options
 
     with one_line_errors(capture):
         library = Library.open(folder)

@@ -20,7 +20,7 @@ from roundelay.commands.common import (
 )
 
 if TYPE_CHECKING:
-    from roundelay.motion import Motion
+    from roundelay.motion.motion import Motion
     from roundelay.segmentation import Segmentation
 
 Method = Annotated[
@@ -61,7 +61,7 @@ def segment(
 
     Exit code 0: the capture was cut, perhaps into one segment; 2: bad input.
     """
-    from roundelay.behaviours import with_periods
+    from roundelay.pipeline import with_periods
     from roundelay.segmentation import segment as cut
 
     with one_line_errors(capture):
@@ -86,9 +86,9 @@ def _write(
     found: Segmentation, motion: Motion, capture: Path, folder: Path, split: bool, picture: bool
 ) -> dict[str, Any]:
     """Write record, bout table, picture and clips; return the record."""
-    from roundelay.files import written_beside
+    from roundelay.base.files import written_beside
     from roundelay.formats import write
-    from roundelay.records import write_json
+    from roundelay.output.records import write_json
 
     base = f"{capture.stem}_segments"
     record = found.to_dict() | {"source": capture.name, "files": []}
@@ -101,8 +101,8 @@ def _write(
     with written_beside(folder / f"{base}.csv") as part:
         part.write_text(found.to_csv(), encoding="utf-8")
     if picture:
-        from roundelay.figures import save
-        from roundelay.figures.timeline import timeline
+        from roundelay.output.figures import save
+        from roundelay.output.figures.timeline import timeline
 
         save(timeline(found), folder / f"{base}.png")
     write_json(record, folder / f"{base}.json")

@@ -17,10 +17,10 @@ from roundelay.commands.common import (
 from roundelay.commands.options import SearchOptions, takes_search
 
 if TYPE_CHECKING:
-    from roundelay.motion import Motion
-    from roundelay.pipeline import Options
-    from roundelay.progress import Progress
+    from roundelay.base.progress import Progress
+    from roundelay.motion.motion import Motion
     from roundelay.segmentation import Segmentation
+    from roundelay.timeline.options import Options
 
 Page = Annotated[
     Path | None,
@@ -45,7 +45,7 @@ def view(
 
     Exit code 0: the page was written; 2: bad input.
     """
-    from roundelay.files import written_beside
+    from roundelay.base.files import written_beside
 
     with one_line_errors(capture):
         with progress_bar(quiet=False) as progress:
@@ -62,9 +62,9 @@ def view(
 
 def _page(motion: Motion, options: Options, progress: Progress | None) -> tuple[str, str]:
     """Return the page and what it shows in a few words."""
-    from roundelay.cycles.repair import repaired, source_parts
-    from roundelay.errors import NoPeriod
-    from roundelay.page import build_page
+    from roundelay.base.errors import NoPeriod
+    from roundelay.cycles.edit.separate import repaired, source_parts
+    from roundelay.output.page import build_page
     from roundelay.pipeline import find_cycles
 
     segmentation = _segmentation(motion)
@@ -80,7 +80,7 @@ def _page(motion: Motion, options: Options, progress: Progress | None) -> tuple[
 
 def _segmentation(motion: Motion) -> Segmentation | None:
     """Cut the capture into behaviours, if it has the joints for it and is long enough."""
-    from roundelay.errors import SkeletonMismatch, TooShort
+    from roundelay.base.errors import SkeletonMismatch, TooShort
     from roundelay.segmentation import segment
 
     try:

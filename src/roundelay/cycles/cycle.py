@@ -7,12 +7,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roundelay.cycles.footlock import lock_feet
-from roundelay.cycles.harmonic import HarmonicCurve
+from roundelay.cycles.edit.footlock import lock_feet
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion, checked_rate
-from roundelay.periodicity import Evidence
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.motion import Motion, checked_rate
+from roundelay.phase.harmonic import HarmonicCurve
+from roundelay.timeline.evidence import Evidence
 
 __all__ = ["Cycle"]
 
@@ -163,7 +163,7 @@ class Cycle:
             in radians from the Z axis towards X (from X towards Y where Z points up); as in
             the capture by default, and for motions that do not travel.
         foot_lock : bool
-            Hold standing feet still; see `roundelay.cycles.footlock`.
+            Hold standing feet still; see `roundelay.cycles.edit.footlock`.
 
         Raises
         ------

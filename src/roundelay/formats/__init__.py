@@ -10,11 +10,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from roundelay.errors import FormatError, TooShort
+from roundelay.base.errors import FormatError, TooShort
 from roundelay.formats import acclaim_writer, amc, bvh, bvh_writer, gltf
 from roundelay.geometry.kinematics import vertical_axis
-from roundelay.motion import Motion
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.motion import Motion
 
 __all__ = ["read", "write"]
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from roundelay.formats.acclaim import ROOT_DOF, AcclaimLayout, Bone, Vector
 from roundelay.formats.euler import DEGREE, compose, decompose
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.motion import Motion
 
 __all__ = ["Rig", "rig"]
 

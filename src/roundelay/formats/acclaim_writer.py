@@ -14,7 +14,7 @@ from roundelay.formats.acclaim_bones import Rig, rig
 from roundelay.formats.amc import FRAME_TIME
 from roundelay.formats.euler import DEGREE, Winding, decompose
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
+from roundelay.motion.motion import Motion
 
 __all__ = ["write"]
 

@@ -16,8 +16,8 @@ from roundelay.formats.asf import find_skeleton, read_skeleton
 from roundelay.formats.euler import DEGREE, Winding, compose, winding
 from roundelay.formats.text import Token
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.motion import Motion
 
 __all__ = ["FRAME_TIME", "read"]
 

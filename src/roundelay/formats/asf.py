@@ -10,11 +10,11 @@ from typing import Any, cast
 
 import numpy as np
 
-from roundelay.errors import FormatError
+from roundelay.base.errors import FormatError
 from roundelay.formats import text
 from roundelay.formats.acclaim import ROOT_DOF, AcclaimLayout, Bone, Vector
 from roundelay.formats.text import Token
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
 
 __all__ = ["find_skeleton", "read_skeleton"]
 

@@ -16,12 +16,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.errors import FormatError, RoundelayWarning
+from roundelay.base.errors import FormatError, RoundelayWarning
 from roundelay.formats import text
 from roundelay.formats.bvh_hierarchy import BvhLayout, read_hierarchy
 from roundelay.formats.euler import DEGREE, Winding, compose, winding
-from roundelay.motion import Motion
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.motion import Motion
 
 __all__ = ["read"]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from roundelay.formats.euler import Winding
 from roundelay.formats.text import Cursor, Token
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
 
 __all__ = ["BvhLayout", "read_hierarchy"]
 

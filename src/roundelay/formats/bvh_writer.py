@@ -14,8 +14,8 @@ from roundelay.formats import text
 from roundelay.formats.bvh_hierarchy import BvhLayout
 from roundelay.formats.euler import DEGREE, Winding, compose, decompose
 from roundelay.geometry import rotations as rot
-from roundelay.motion import Motion
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.motion import Motion
 
 __all__ = ["write"]
 

@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.files import written_beside
+from roundelay.base.files import written_beside
+from roundelay.base.version import __version__
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
-from roundelay.motion import Motion
-from roundelay.version import __version__
+from roundelay.motion.motion import Motion
 
 __all__ = ["write"]
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.errors import FormatError
-from roundelay.files import written_beside
+from roundelay.base.errors import FormatError
+from roundelay.base.files import written_beside
 from roundelay.formats import decimals
 
 __all__ = [

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.geometry.contacts import stretches
+from roundelay.base.spans import Spans
 from roundelay.geometry.kinematics import forward_kinematics
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
 
 __all__ = ["Capsules", "Collision", "Near", "collisions", "nearest_points", "segment_distances"]
 
@@ -257,5 +257,5 @@ def nearest_points(first: Segments, second: Segments) -> tuple[Array, Array]:
 def _meetings(names: tuple[str, str], depth: Array) -> list[Collision]:
     return [
         Collision(names, a, b, float(depth[a:b].max()), a + int(depth[a:b].argmax()))
-        for a, b in stretches(depth > 0.0)
+        for a, b in Spans.of_mask(depth > 0.0)
     ]

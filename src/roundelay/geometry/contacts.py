@@ -7,19 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.spans import Spans
 from roundelay.geometry import rotations as rot
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
 
 __all__ = [
     "Foot",
-    "closed_stretches",
     "contacts",
     "find_feet",
     "foot_points",
     "free_limbs",
     "shoulders",
     "skate",
-    "stretches",
 ]
 
 Array = NDArray[np.float64]
@@ -213,31 +212,13 @@ def _above_ground(points: Array, fps: float, size: float, up: int) -> Array:
 def _hysteresis(begins: Mask, holds: Mask, shortest: int) -> Mask:
     """Keep the stretches of `holds` in which `begins` lasts, and join near ones."""
     result = np.zeros(len(holds), bool)
-    for start, stop in stretches(holds):
+    for start, stop in Spans.of_mask(holds):
         if begins[start:stop].sum() >= shortest:
             result[start:stop] = True
-    for start, stop in stretches(~result):
+    for start, stop in Spans.of_mask(~result):
         if start > 0 and stop < len(result) and stop - start < shortest:
             result[start:stop] = True
     return result
-
-
-def stretches(mask: Mask) -> list[tuple[int, int]]:
-    """List the half-open ranges in which a mask (F,) is true."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
-
-
-def closed_stretches(mask: Mask) -> list[tuple[int, int]]:
-    """List the ranges in which a mask (F,) of a period is true, each told where it begins.
-
-    The second number lies beyond F where the range goes on across the seam.
-    """
-    if mask.all():
-        return [(0, len(mask))]
-    # What is true at the first frame began before it, unless the last is not.
-    first = 1 if mask[-1] else 0
-    return [(a, b) for a, b in stretches(np.tile(mask, 2)) if first <= a < len(mask)]
 
 
 def skate(points: Array, *, fps: float, size: float, up: int) -> float:

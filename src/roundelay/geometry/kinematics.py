@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.geometry import rotations as rot
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
 
 __all__ = ["forward_kinematics", "heading", "vertical_axis"]
 

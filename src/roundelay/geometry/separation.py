@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.collision import Capsules, collisions
 from roundelay.geometry.kinematics import forward_kinematics
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
 
 __all__ = ["CLEARANCE", "Body", "Separation", "deepest", "separate", "turned"]
 

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.errors import SkeletonMismatch
+from roundelay.base.errors import SkeletonMismatch
 from roundelay.geometry import rotations as rot
-from roundelay.skeleton import Skeleton
+from roundelay.geometry.skeleton import Skeleton
 
 __all__ = [
     "lateral_axis",

@@ -11,9 +11,9 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from roundelay.base.errors import FormatError, SkeletonMismatch
+from roundelay.compare.spectra import Spectra, least_distances
 from roundelay.cycles.cycle import Cycle
-from roundelay.errors import FormatError, SkeletonMismatch
-from roundelay.library.spectra import Spectra, least_distances
 from roundelay.library.store import Shelf, read_shelves
 
 __all__ = ["CATALOGUE", "SIGNATURES", "Library", "Match"]

@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 
+from roundelay.base.errors import FormatError, NoPeriod, RoundelayError, RoundelayWarning, TooShort
+from roundelay.base.version import __version__
+from roundelay.compare.spectra import Spectra
 from roundelay.cycles.cycle import Cycle
-from roundelay.cycles.repair import repaired, source_parts
-from roundelay.errors import FormatError, NoPeriod, RoundelayError, RoundelayWarning, TooShort
+from roundelay.cycles.edit.separate import repaired, source_parts
 from roundelay.formats import read, write
 from roundelay.formats.asf import find_skeleton
-from roundelay.library.spectra import Spectra
 from roundelay.library.store import Entry
-from roundelay.motion import Motion, checked_rate
+from roundelay.loops.quality import quality
+from roundelay.motion.motion import Motion, checked_rate
+from roundelay.output.records import cycle_record
 from roundelay.pipeline import find_cycles
-from roundelay.quality import quality
-from roundelay.records import cycle_record
 from roundelay.segmentation import segment
-from roundelay.version import __version__
 
 __all__ = ["LOOPS", "Clip", "LoopOptions", "lost_clip", "made_entry"]
 

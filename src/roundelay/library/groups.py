@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.library.spectra import least_distances
+from roundelay.compare.distances import cluster
+from roundelay.compare.spectra import least_distances
 from roundelay.library.store import Shelf
-from roundelay.signature import cluster
 
 __all__ = ["group_records", "grouped", "labelled"]
 

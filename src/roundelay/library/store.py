@@ -22,9 +22,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.errors import FormatError
-from roundelay.files import written_beside
-from roundelay.library.spectra import Body, Spectra
+from roundelay.base.errors import FormatError
+from roundelay.base.files import written_beside
+from roundelay.compare.spectra import Body, Spectra
 
 __all__ = ["Entry", "Log", "Shelf", "read_shelves", "shelved", "write_shelves", "write_table"]
 

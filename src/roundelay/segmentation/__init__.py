@@ -11,7 +11,6 @@ from roundelay.segmentation.features import (
 )
 from roundelay.segmentation.gaussian import GaussianOptions
 from roundelay.segmentation.gmm import GMMOptions
-from roundelay.segmentation.matrices import mahalanobis_matrix, projection_error_matrix
 from roundelay.segmentation.methods import Method, segment, segment_channels
 from roundelay.segmentation.pca import OnlinePCA, PCAOptions
 from roundelay.segmentation.ppca import OnlinePPCA, PPCAOptions
@@ -36,9 +35,7 @@ __all__ = [
     "Truth",
     "corresponding_joints",
     "joint_quaternions",
-    "mahalanobis_matrix",
     "pooled",
-    "projection_error_matrix",
     "score",
     "segment",
     "segment_channels",

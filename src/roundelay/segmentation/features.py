@@ -8,9 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.errors import SkeletonMismatch
-from roundelay.motion import Motion
-from roundelay.skeleton import Skeleton
+from roundelay.base.errors import SkeletonMismatch
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.motion import Motion
 
 __all__ = ["STANDARD_JOINTS", "corresponding_joints", "joint_quaternions"]
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.errors import TooShort
+from roundelay.base.errors import TooShort
 from roundelay.segmentation.moments import principal_axes
 from roundelay.segmentation.pca import intrinsic_dimension
 

@@ -9,9 +9,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roundelay.detection import leading_rest_pose
-from roundelay.errors import TooShort
-from roundelay.motion import Motion
+from roundelay.base.errors import TooShort
+from roundelay.motion.motion import Motion
+from roundelay.motion.poses import leading_rest_pose
 from roundelay.segmentation.features import joint_quaternions
 from roundelay.segmentation.gaussian import (
     GaussianOptions,

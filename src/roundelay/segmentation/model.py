@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roundelay.errors import TooShort
+from roundelay.base.errors import TooShort
 from roundelay.segmentation.labels import recurring_labels
 from roundelay.segmentation.moments import Moments, principal_axes
 

@@ -19,7 +19,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roundelay.errors import TooShort
+from roundelay.base.errors import TooShort
 from roundelay.segmentation.pca import intrinsic_dimension
 
 __all__ = ["OnlinePPCA", "PPCAModel", "PPCAOptions", "ppca_cuts"]

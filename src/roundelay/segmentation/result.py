@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.motion import Motion
-from roundelay.version import __version__
+from roundelay.base.version import __version__
+from roundelay.motion.motion import Motion
 
 __all__ = ["Curve", "Segment", "Segmentation"]
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roundelay.errors import TooShort
+from roundelay.base.errors import TooShort
 from roundelay.topology.kernel import engine
 from roundelay.topology.kernel.reduction import F32, F64
 

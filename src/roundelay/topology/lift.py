@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roundelay.errors import LiftError
+from roundelay.base.errors import LiftError
 from roundelay.topology.kernel.reduction import I64, Columns
 
 __all__ = ["Lift", "lift_to_integers"]

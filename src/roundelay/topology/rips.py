@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from roundelay.errors import TooLarge
+from roundelay.base.errors import TooLarge
 from roundelay.topology.distances import (
     Metric,
     check_distances,

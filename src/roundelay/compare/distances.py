@@ -1,0 +1,231 @@
+"""Barcodes and cycles as signatures: how far apart two motions are ([A] section 7).
+
+Two signatures of a periodic motion need no alignment by hand: its barcode, which says at which
+scales its poses form loops, and its cycle, brought into phase and heading with another. A list
+of captures is searched and clustered by either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.edit.align import align
+from roundelay.topology.rips import Barcode
+
+__all__ = [
+    "bottleneck_distance",
+    "cluster",
+    "cycle_distance",
+    "distance_matrix",
+    "search",
+    "wasserstein_distance",
+]
+
+Array = NDArray[np.float64]
+Labels = NDArray[np.intp]
+Item = TypeVar("Item")
+# The distance of two groups, and an item of each.
+Merger = tuple[float, int, int]
+
+
+def bottleneck_distance(first: Barcode, second: Barcode) -> float:
+    """Return the least largest change of births and deaths that makes one barcode the other.
+
+    Bars may also shrink to nothing, at half their length. Stable: clouds whose points moved by
+    at most e have barcodes within 2 e (Chazal, de Silva and Oudot 2014).
+
+    Parameters
+    ----------
+    first, second : Barcode
+        Finite bars, in one unit.
+
+    Returns
+    -------
+    float
+        In the unit of the bars.
+
+    Raises
+    ------
+    ValueError
+        If a bar does not end.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import maximum_bipartite_matching
+
+    costs = _costs(_bars(first), _bars(second))
+    tried = np.unique(costs[np.isfinite(costs)])
+    low, high = 0, len(tried) - 1
+    while low < high:
+        middle = (low + high) // 2
+        matched = maximum_bipartite_matching(csr_array(costs <= tried[middle]))
+        low, high = (low, middle) if np.all(matched >= 0) else (middle + 1, high)
+    return float(tried[low]) if len(tried) else 0.0
+
+
+def wasserstein_distance(first: Barcode, second: Barcode, *, order: float = 1.0) -> float:
+    """Return the least total change of births and deaths that makes one barcode the other.
+
+    As `bottleneck_distance`, with the p-th root of the sum of p-th powers for the largest.
+
+    Parameters
+    ----------
+    first, second : Barcode
+    order : float
+        p, at least 1.
+
+    Raises
+    ------
+    ValueError
+        If a bar does not end, or the order is less than 1.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    if not 1.0 <= order < np.inf:
+        raise ValueError(f"expected an order of at least 1, found {order:g}")
+    costs = _costs(_bars(first), _bars(second)) ** order
+    finite = np.isfinite(costs)
+    # No best matching uses a pair that is dearer than all allowed ones together.
+    costs[~finite] = 2.0 * costs[finite].sum() + 1.0
+    return float(costs[linear_sum_assignment(costs)].sum() ** (1.0 / order))
+
+
+def _bars(barcode: Barcode) -> Array:
+    bars = np.column_stack([barcode.births, barcode.deaths])
+    if not np.all(np.isfinite(bars)):
+        raise ValueError("expected bars that end, found one alive at the largest scale")
+    return bars
+
+
+def _costs(first: Array, second: Array) -> Array:
+    """Costs (n + m, m + n) of matching bars, each of which has a place of its own to vanish."""
+    n, m = len(first), len(second)
+    costs = np.full((n + m, m + n), np.inf)
+    costs[:n, :m] = np.abs(first[:, None] - second).max(axis=-1, initial=0.0)
+    costs[np.arange(n), m + np.arange(n)] = 0.5 * (first[:, 1] - first[:, 0])
+    costs[n + np.arange(m), np.arange(m)] = 0.5 * (second[:, 1] - second[:, 0])
+    costs[n:, m:] = 0.0
+    return costs
+
+
+def cycle_distance(first: Cycle, second: Cycle, *, mirror: bool = True) -> float:
+    """Return the distance of cycles in phase and heading: RMS over joints, in body sizes.
+
+    Parameters
+    ----------
+    first, second : Cycle
+        Of one skeleton; bone lengths may differ.
+    mirror : bool
+        Take the distance to the mirrored cycle where that is less.
+
+    Raises
+    ------
+    SkeletonMismatch
+        If their joints differ.
+    """
+    return align(first, second, mirror=mirror).distance
+
+
+def distance_matrix(items: Sequence[Item], distance: Callable[[Item, Item], float]) -> Array:
+    """Return the distances (n, n) between all items by one of the distances here."""
+    result = np.zeros((len(items), len(items)))
+    for i, item in enumerate(items):
+        for j in range(i):
+            result[i, j] = result[j, i] = distance(item, items[j])
+    return result
+
+
+def search(
+    query: Item, items: Sequence[Item], distance: Callable[[Item, Item], float]
+) -> list[tuple[int, float]]:
+    """List the items' numbers with their distances from a query, nearest first."""
+    found = [(number, distance(query, item)) for number, item in enumerate(items)]
+    return sorted(found, key=lambda pair: pair[1])
+
+
+def cluster(
+    distances: ArrayLike, count: int | None = None, *, within: float | None = None
+) -> Labels:
+    """Put items into groups by average linkage.
+
+    Parameters
+    ----------
+    distances : (n, n) array_like
+        Symmetric, as from `distance_matrix`.
+    count : int, optional
+        How many groups; by default as many, from 2 to n - 1, as have the largest mean
+        silhouette (Rousseeuw 1987).
+    within : float, optional
+        Instead of a count: groups are joined while their mean distance is at most this.
+
+    Returns
+    -------
+    (n,) array of int
+        The group of each item, numbered in the order in which they first occur.
+
+    Raises
+    ------
+    ValueError
+        If the distances are not square, or the count is not from 1 to n.
+    """
+    d = np.asarray(distances)
+    if d.ndim != 2 or d.shape[0] != d.shape[1]:
+        raise ValueError(f"expected distances (n, n), found an array of shape {d.shape}")
+    n, mergers = len(d), _linkage(d)
+    if within is not None:
+        return _joined(n, [merger for merger in mergers if merger[0] <= within])
+    if count is None:
+        tried = [_joined(n, mergers[:done]) for done in range(1, n - 1)]
+        best = max(tried, key=lambda labels: _silhouette(d, labels), default=None)
+        return _joined(n, mergers) if best is None else best
+    if not 1 <= count <= n:
+        raise ValueError(f"expected a count from 1 to {n}, found {count}")
+    return _joined(n, mergers[: n - count])
+
+
+def _linkage(distances: Array) -> list[Merger]:
+    """Return the mergers of the nearest groups, nearest first.
+
+    By chains of nearest neighbours (Murtagh 1983), in n^2 steps: groups that are each other's
+    nearest are merged at once, which for average linkage gives the same tree.
+    """
+    d = distances.astype(np.promote_types(distances.dtype, np.float32))
+    np.fill_diagonal(d, np.inf)
+    sizes, chain, mergers = np.ones(len(d)), list[int](), list[Merger]()
+    while len(mergers) < len(d) - 1:
+        chain = chain or [int(np.argmax(sizes > 0))]
+        nearest = int(np.argmin(d[chain[-1]]))
+        if len(chain) < 2 or d[chain[-1], nearest] < d[chain[-1], chain[-2]]:
+            chain.append(nearest)
+            continue
+        kept, gone = sorted((chain.pop(), chain.pop()))
+        mergers.append((float(d[kept, gone]), kept, gone))
+        sums = sizes[kept] * d[kept] + sizes[gone] * d[gone]
+        sizes[kept], sizes[gone] = sizes[kept] + sizes[gone], 0
+        d[kept] = d[:, kept] = sums / sizes[kept]
+        d[gone] = d[:, gone] = d[kept, kept] = np.inf
+    return sorted(mergers, key=lambda merger: merger[0])
+
+
+def _joined(n: int, mergers: Sequence[Merger]) -> Labels:
+    """Return the groups of n items after some mergers, numbered as they first occur."""
+    owner = np.arange(n)
+    for _, kept, gone in mergers:
+        first, second = sorted((owner[kept], owner[gone]))
+        owner[owner == second] = first
+    return np.unique(owner, return_inverse=True)[1]
+
+
+def _silhouette(distances: Array, labels: Labels) -> float:
+    """Mean over items of (b - a) / max(a, b): a within its group, b to the next; 0 alone."""
+    member = labels[:, None] == np.arange(labels.max() + 1)
+    sums, sizes = distances @ member, member.sum(axis=0)
+    own = sizes[labels]
+    within = sums[np.arange(len(labels)), labels] / np.maximum(own - 1, 1)
+    beyond = np.where(member, np.inf, sums / sizes).min(axis=1)
+    widest = np.maximum(np.maximum(within, beyond), 1e-300)
+    return float(np.mean(np.where(own > 1, (beyond - within) / widest, 0.0)))

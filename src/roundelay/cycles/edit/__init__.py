@@ -1,0 +1,1 @@
+"""Cycles changed: aligned, blended, feet held, limbs parted."""

@@ -1,0 +1,121 @@
+"""What an engine needs to play a loop: root motion, phase markers, contacts, limbs that meet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from roundelay.base.spans import closed_spans
+from roundelay.cycles.contacts import standing_feet
+from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.edit.separate import Mended
+from roundelay.geometry.collision import collisions
+from roundelay.motion.motion import Motion
+
+__all__ = ["foot_contacts", "limb_record", "playback_record"]
+
+_MARKERS = 4
+
+
+def playback_record(
+    cycle: Cycle,
+    fps: float | None = None,
+    *,
+    periods: int = 1,
+    in_place: bool = False,
+    repeat_first: bool = False,
+    mended: Sequence[Mended] = (),
+) -> dict[str, Any]:
+    """Describe a loop as `Cycle.sample` makes it, for the engine that plays it.
+
+    Parameters
+    ----------
+    cycle : Cycle
+    fps, periods, in_place, repeat_first
+        As given to `Cycle.sample`.
+    mended : sequence of Mended
+        What `roundelay.cycles.edit.separate.repaired` changed to make the cycle.
+
+    Returns
+    -------
+    dict
+        ``loop``: that the frame after the last is the first, moved on by the root motion;
+        ``frames`` of all periods and of one, without a repeated first; ``root_motion`` of one
+        period: displacement in the skeleton's unit, turning in degrees, whether it is in the
+        file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by its joint,
+        of half-open ranges of frames in which it stands, the second number beyond the period
+        where it stands across the seam; what `limb_record` tells of one period.
+    """
+    rate = cycle.fps if fps is None else fps
+    count = max(1, round(cycle.period * rate))
+    markers = [(k / _MARKERS, k * count / _MARKERS) for k in range(_MARKERS)]
+    return {
+        "loop": True,
+        "fps": rate,
+        "frames": count * periods,
+        "frames_per_period": count,
+        "first_repeated": repeat_first,
+        "root_motion": {
+            "travel": cycle.travel.tolist(),
+            "turning_degrees": float(np.degrees(cycle.turning)),
+            "up": "XYZ"[cycle.up],
+            "in_file": not in_place,
+        },
+        "markers": [{"phase": phase, "frame": frame} for phase, frame in markers],
+        "contacts": foot_contacts(cycle, rate),
+    } | limb_record(cycle.sample(rate), mended)
+
+
+def limb_record(motion: Motion, mended: Sequence[Mended] = ()) -> dict[str, Any]:
+    """Tell which limbs may pass through each other, and which were moved apart.
+
+    Returns
+    -------
+    dict
+        ``collisions``: pairs of bones, by the joints at their lower ends, with a half-open
+        range of frames, the frame where they are deepest in each other and how deep;
+        ``mended``: pairs that were moved apart, with the ranges of frames in which they met more
+        than in the capture and the largest angle in degrees by which a joint was turned.
+    """
+    met = collisions(motion.skeleton, motion.rotations, translations=motion.translations)
+    return {
+        "collisions": [
+            {
+                "bones": list(one.bones),
+                "frames": [one.start, one.stop],
+                "deepest": one.frame,
+                "depth": one.depth,
+            }
+            for one in met
+        ],
+        "mended": [
+            {
+                "bones": list(one.bones),
+                "frames": [_frames(span, motion.fps) for span in one.seconds],
+                "largest_degrees": float(np.degrees(one.angle)),
+            }
+            for one in mended
+        ],
+    }
+
+
+def _frames(seconds: tuple[float, float], fps: float) -> list[int]:
+    start = round(seconds[0] * fps)
+    return [start, max(start + 1, round(seconds[1] * fps))]
+
+
+def foot_contacts(cycle: Cycle, fps: float) -> dict[str, list[list[int]]]:
+    """Return when each foot stands, by the name of the joint that touches the ground.
+
+    Returns
+    -------
+    dict
+        Lists of ``[start, stop]`` in frames of one period, ``start`` within it.
+    """
+    count = max(1, round(cycle.period * fps))
+    feet, standing = standing_feet(cycle, count)
+    names = [cycle.skeleton.names[foot.joint] for foot in feet]
+    stands = [[list(span) for span in closed_spans(mask)] for mask in standing.T]
+    return dict(zip(names, stands, strict=True))

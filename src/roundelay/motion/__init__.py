@@ -1,0 +1,1 @@
+"""Motions of skeletons, and what the search sees of them."""

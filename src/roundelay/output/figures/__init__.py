@@ -1,0 +1,38 @@
+"""Pictures of results, with Matplotlib, which is imported only when one is drawn.
+
+Each is made from a result: a `Barcode`, an `Evidence`, a `Cycle`, a `Segmentation`, a `Motion`.
+Those that take ``axes`` draw into the caller's figure; the others return a figure of their own
+for `save`, which writes PNG, SVG or PDF by the suffix.
+"""
+
+from roundelay.output.figures.excitation import excitations
+from roundelay.output.figures.inspection import inspection, persistence_diagram
+from roundelay.output.figures.overview import barcode, coordinate, overview, plane
+from roundelay.output.figures.phase import circle_density, density, period_line, remaps
+from roundelay.output.figures.poses import animation, strip
+from roundelay.output.figures.style import new_figure, save
+from roundelay.output.figures.timeline import behaviours, method_curve, timeline
+from roundelay.output.figures.trajectory import angles, typical_trajectory
+
+__all__ = [
+    "angles",
+    "animation",
+    "barcode",
+    "behaviours",
+    "circle_density",
+    "coordinate",
+    "density",
+    "excitations",
+    "inspection",
+    "method_curve",
+    "new_figure",
+    "overview",
+    "period_line",
+    "persistence_diagram",
+    "plane",
+    "remaps",
+    "save",
+    "strip",
+    "timeline",
+    "typical_trajectory",
+]

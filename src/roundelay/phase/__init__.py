@@ -1,0 +1,1 @@
+"""From a circular coordinate to a phase that grows with time."""

@@ -1,0 +1,1 @@
+"""The papers to the letter, where the product goes another way."""

@@ -1,0 +1,1 @@
+"""What repeats in a take, and how sure that is."""

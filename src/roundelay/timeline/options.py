@@ -1,0 +1,153 @@
+"""What a user may choose of the search; all automatic unless given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from roundelay.base.options import Checked, option
+from roundelay.motion.features import Features, Weights
+
+__all__ = ["Method", "Options", "PoseMetric", "TopologyOptions"]
+
+Method = Literal["harmonic", "centroid", "paper"]
+PoseMetric = Literal["euclidean", "variance", "adjacent"]
+
+
+@dataclass(frozen=True)
+class TopologyOptions(Checked):
+    """Choices of what topology sees and which of its classes counts.
+
+    Parameters
+    ----------
+    prime : int
+        Coefficients of the cohomology are integers modulo this prime.
+    class_index : int, optional
+        Which bar to use, 0 being the longest; chosen by hand, it need not stand out.
+    max_scale : float, optional
+        Largest scale of the filtration, in body sizes ([C] 5.3 item 5): classes born above are
+        left out, and bars end there. By default that at which every class has died.
+    scale : float, optional
+        Scale of the coordinate, between birth and death of the bar, in body sizes.
+    delay : float, optional
+        Seconds by which velocity is weighed against position: period / 2 pi by default, 0 for
+        poses alone.
+    delays : int, optional
+        Use a delay embedding of so many delays over half a period ([C] 3.8; [A] 4.2) instead
+        of velocities. It loses half a period at the end of every part.
+    metric : {"euclidean", "variance", "adjacent"}
+        Distances of poses as they are, of features divided by their standard deviations
+        ([A] 6.4), or with frames next to each other in time at distance 0 ([A] 3.2).
+    dimensions : int or float, optional
+        Project on so many principal axes first, or on those that hold this share of the
+        variance ([A] 5.1); none by default.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    prime: int = option(47, "Coefficients are integers modulo this prime.", least=2)
+    class_index: int | None = option(
+        None, "Use this bar, 0 being the longest; see inspect.", least=0, flag="class"
+    )
+    max_scale: float | None = option(
+        None, "Largest scale of the filtration: bars end there.", unit="body sizes", above=0
+    )
+    scale: float | None = option(
+        None, "Scale of the circular coordinate.", unit="body sizes", above=0
+    )
+    delay: float | None = option(
+        None,
+        "By how much velocity is weighed against position; 0 for poses alone.",
+        unit="seconds",
+        least=0,
+    )
+    delays: int | None = option(None, "Delays over half a period, instead of velocities.", least=1)
+    metric: PoseMetric = option("euclidean", "Distance of poses.")
+    dimensions: int | float | None = option(
+        None, "Principal axes to project on, or the share of variance (below 1) they hold.", above=0
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        axes = self.dimensions
+        if isinstance(axes, float) and axes >= 1.0:
+            raise ValueError(
+                f"expected a whole number of dimensions or a share below 1, found {axes:g}"
+            )
+
+
+@dataclass(frozen=True)
+class Options(Checked):
+    """Choices of the main job.
+
+    Parameters
+    ----------
+    frames : (int, int), optional
+        Half-open range of frames to look at; by default all but a rest pose put before them.
+    joints : tuple of str, optional
+        Joints that decide what is a repetition; all by default. Every joint is in the cycle.
+    features : {"positions", "heading", "quaternions", "angles"}
+        What a pose is to the search, see `roundelay.point_cloud`.
+    weights : {"none", "length", "mass"}
+        Weigh every joint by the length of its bones ([C] ch. 4) or by that of all bones it
+        moves, which stands for their mass ([A] 7). Positions weigh by length of themselves.
+    topology : TopologyOptions
+        Prime, class, scale, velocity or delays, metric, dimensions.
+    gestures : bool, optional
+        Look for gestures, which recur with something else between (True), never (False), or
+        where no part is periodic (the default; they must then recur three times).
+    proposers : tuple of str, optional
+        Who proposes what may repeat, by name; one is asked only if those before it led to
+        nothing. By default "recurrence", "closed", "arms", "gestures", then those that
+        plug-ins bring; see `roundelay.timeline.proposals`.
+    most : int, optional
+        Return this many cycles at most, best first.
+    method : str
+        How poses become a cycle, by the name of a cycle model: "harmonic" (regression of
+        quaternions), "centroid" ([A] 4.4), "paper" ([C]'s weighted regression of angles, eq.
+        3.14), or one that a plug-in brings.
+    harmonics : int, optional
+        Number of harmonics of the cycle; by default what the period can need, and [C]'s 20
+        with the method "paper".
+    velocity, acceleration : bool
+        Constrain the method "paper" by the velocities and accelerations of the frames
+        ([C] 5.3 items 20, 21): both are [C]'s model M1, neither is M2. Other methods have
+        no such constraints.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    frames: tuple[int, int] | None = option(None, "Look at these frames only.", least=0)
+    joints: tuple[str, ...] | None = option(None, "Joints that decide what repeats.")
+    features: Features = option("positions", "What a pose is.")
+    weights: Weights = option("none", "Weigh joints by the bones on them, or by all they move.")
+    topology: TopologyOptions = option(TopologyOptions, "What topology sees.")
+    gestures: bool | None = option(
+        None,
+        "Look for what recurs with something else between, or never; "
+        "by default where nothing is periodic.",
+    )
+    proposers: tuple[str, ...] | None = option(None, "Who proposes what may repeat, in this order.")
+    most: int | None = option(None, "At most so many cycles, best first.", least=1)
+    method: str = option(
+        "harmonic",
+        "harmonic: a smooth regression; centroid: means of poses, as in [A]; paper: the weighted "
+        "regression of [C].",
+    )
+    harmonics: int | None = option(None, "Harmonics of the cycle.", least=1, most=500)
+    velocity: bool = option(True, "Constrain the method paper by velocities, as [C].")
+    acceleration: bool = option(True, "Constrain the method paper by accelerations, as [C].")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.method != "paper" and not (self.velocity and self.acceleration):
+            raise ValueError(
+                'only the method "paper" has velocities and accelerations to leave out, '
+                f"found {self.method!r}"
+            )

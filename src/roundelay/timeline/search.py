@@ -1,0 +1,130 @@
+"""What is searched: the points of a take, the frames to look at, and what the user chose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.base.errors import NoPeriod, TooShort
+from roundelay.base.spans import Span
+from roundelay.motion.features import MotionPoses
+from roundelay.motion.motion import Motion
+from roundelay.motion.poses import Poses, leading_rest_pose, point_indices, points_of
+from roundelay.timeline.options import Options
+
+__all__ = ["Search"]
+
+Array = NDArray[np.float64]
+
+_FEWEST = 8  # frames
+# Body sizes below which nothing moves, but for rounding.
+_STILL = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What is searched, and how closely.
+
+    Attributes
+    ----------
+    points : (F, d) ndarray
+        One pose a frame, of the whole take.
+    fps : float
+        Frames a second.
+    span : (start, stop)
+        The frames to look at.
+    step : int
+        Every how many-th frame topology looks at.
+    options : Options
+    poses : Poses or None
+        Where the points are from, for looking at some limbs alone.
+    limbs : str
+        The limbs that are looked at; empty for the whole body.
+    """
+
+    points: Array
+    fps: float
+    span: Span
+    step: int = 1
+    options: Options = field(default_factory=Options)
+    poses: Poses | None = None
+    limbs: str = ""
+
+    @classmethod
+    def of_take(cls, take: Motion | Poses, options: Options) -> Search:
+        """Look at all points of a take, or at those of the options.
+
+        Parameters
+        ----------
+        take : Motion or Poses
+            Of a motion, the joints in the features and weights of the options.
+        options : Options
+
+        Raises
+        ------
+        TooShort
+            If there are fewer than 8 frames.
+        SkeletonMismatch
+            If a joint of the options does not exist.
+        ValueError
+            If the frames of the options are not all there.
+        NoPeriod
+            If nothing moves.
+        """
+        poses, joints = _poses(take, options)
+        frames = len(poses.values)
+        if frames < _FEWEST:
+            raise TooShort(f"a period needs at least {_FEWEST} frames, found {frames}")
+        chosen = None if joints is None else point_indices(poses, joints)
+        points = points_of(poses, chosen)
+        span = _span(points, options.frames)
+        if np.ptp(points[slice(*span)], axis=0).max() < _STILL:
+            raise NoPeriod("no periodic motion found: no joint moves against the root")
+        whole = None if chosen is not None else poses
+        return cls(points, poses.fps, span, _step(poses.fps, span), options, whole)
+
+    @property
+    def n_frames(self) -> int:
+        """How many frames are looked at."""
+        return self.span[1] - self.span[0]
+
+    def of(self, limbs: str) -> Search | None:
+        """Look at some limbs alone; None where the take has none of that name."""
+        if limbs == self.limbs:
+            return self
+        chosen = None if self.poses is None else self.poses.groups.get(limbs)
+        if self.poses is None or not chosen:
+            return None
+        return replace(self, points=points_of(self.poses, chosen), limbs=limbs)
+
+
+def _poses(take: Motion | Poses, options: Options) -> tuple[Poses, tuple[str, ...] | None]:
+    """Return the poses of a take, and the points that the options choose among them."""
+    joints = options.joints
+    if not isinstance(take, Motion):
+        return take, joints
+    take = take.with_root_motion()
+    if joints is not None:
+        take.skeleton.indices(joints)
+        # The root, by which all others are placed, is no point of a pose.
+        joints = tuple(name for name in joints if name != take.skeleton.names[0])
+    return MotionPoses(take, options.features, options.weights), joints
+
+
+def _span(points: Array, frames: Span | None) -> Span:
+    if frames is None:
+        return (1 if leading_rest_pose(points) else 0), len(points)
+    start, stop = frames
+    if not 0 <= start < stop <= len(points):
+        raise ValueError(f"expected frames within 0 and {len(points)}, found {start} to {stop}")
+    if stop - start < _FEWEST:
+        raise TooShort(f"a period needs at least {_FEWEST} frames, found {stop - start}")
+    return start, stop
+
+
+def _step(fps: float, span: Span) -> int:
+    """Thin to some 60 frames a second, long captures to 30."""
+    target = 60.0 if (span[1] - span[0]) / fps < 15.0 else 30.0
+    return max(1, round(fps / target))

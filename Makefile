@@ -24,7 +24,7 @@ test: $(VENV)/.tested
 
 page-test: $(VENV)/.browser
 	@command -v chromium >/dev/null || { echo "page-test needs Chromium: apt-get install chromium"; exit 1; }
-	$(BIN)/python -m pytest tests/page
+	$(BIN)/python -m pytest tests/output/page
 
 docs: $(VENV)/.documented
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs out/docs

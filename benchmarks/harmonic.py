@@ -1,6 +1,6 @@
 """Tables A.1-A.3 and B.1-B.3 of [C], row by row: published, our faithful models, our default.
 
-    python -m benchmarks.harmonic --data FOLDER [--json] [--rows 07_01 09_01 ...] [--no-paper]
+    python -m benchmarks.harmonic --data FOLDER [--json] [--keep] [--rows 07_01 ...] [--no-paper]
 
 Template matching ([C] eq. 4.4, 4.5) over all frames (table C.1 for boxing), the same metric for
 the faithful models and for the default:
@@ -24,11 +24,9 @@ frames before a jump of a limb in the first few) are left out for all.
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 import timeit
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -37,6 +35,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import roundelay
+from benchmarks._harness import Target, parser, report
 from benchmarks.harmonic_metrics import composed, errors, euler_angles
 from benchmarks.raunio_tables import PUBLISHED, SCALE, Published
 from roundelay.cycles.models import constrained
@@ -61,6 +60,16 @@ CONSTRAINTS: dict[str, dict[str, bool]] = {
     "acceleration": {"velocity": False},
     "neither": {"velocity": False, "acceleration": False},
 }
+
+TARGETS = (
+    Target("walk.channels", "<=", 0.282, "walks: median template error of [C], rad"),
+    Target("run.channels", "<=", 0.251, "runs: median template error of [C], rad"),
+    Target("channels_to_published.below", ">=", 56, "rows below the published M1 of 61"),
+    Target("own_to_published.below", ">=", 61, "rows below it, over the frames found periodic"),
+    Target("seam_velocity <= capture_velocity", ">=", 61, "seams no rougher than the capture"),
+    Target("loop_jerk <= capture_jerk", ">=", 61, "loops of no more jerk than the capture"),
+    Target("loop_skate <= capture_skate", ">=", 61, "loops that slide no more than the capture"),
+)
 
 
 @dataclass(frozen=True)
@@ -273,34 +282,29 @@ def _median(values: list[float | None]) -> float | None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--data", type=Path, required=True)
-    parser.add_argument("--rows", nargs="*", default=[])
-    parser.add_argument("--no-paper", action="store_true")
-    parser.add_argument("--json", action="store_true")
-    arguments = parser.parse_args()
+    options = parser(__doc__)
+    options.add_argument("--rows", nargs="*", default=[])
+    options.add_argument("--no-paper", action="store_true")
+    arguments = options.parse_args()
     rows = measure(arguments.data, arguments.rows, with_paper=not arguments.no_paper)
-    report = {
+    result = {
         "summary": summary(rows),
         "stages_ms_500_frames": stages(load(captures(arguments.data)["12_03"], (0, 500))),
         "hand_made": hand_made(arguments.data),
+        "rows": [asdict(row) for row in rows],
     }
-    if arguments.json:
-        print(json.dumps({**report, "rows": [asdict(row) for row in rows]}, indent=1))
-        return
-    print_rows(rows)
-    print(json.dumps(report, indent=1))
+    report("harmonic", result, TARGETS, arguments, table=lines(rows), bulk=("rows",))
 
 
-def print_rows(rows: list[Row]) -> None:
-    print("               published M1      | faithful: M1 M2 M3 plain, channels; RMSE h h' h''")
-    print("                                 | default: channels rotation own locked")
+def lines(rows: list[Row]) -> Iterator[str]:
+    yield "               published M1      | faithful: M1 M2 M3 plain, channels; RMSE h h' h''"
+    yield "                                 | default: channels rotation own locked"
     for row in rows:
         p, d = row.published, row.default
         old = [row.faithful.get(model, {}) for model in ("M1", "M2", "M3")]
         errors_ = [model.get(key, np.nan) for key in ("plain", "channels") for model in old]
         own = [d.get(key, np.nan) for key in ("channels", "rotation", "own", "locked")]
-        print(
+        words = (
             f"{p.kind:6} {p.trial} {row.frames:4d} {p.template[0]:.2f} n {p.periods:.2f}",
             "rmse", *p.m1_rmse, "|", *(f"{value:.2f}" for value in errors_),
             f"n {old[0].get('periods', np.nan):.2f}",
@@ -308,6 +312,7 @@ def print_rows(rows: list[Row]) -> None:
             *(f"{value:.2f}" for value in own), f"n {d.get('periods', np.nan):.2f}",
             f"T {d.get('period', np.nan):.1f}", d.get("failed", "")[:60],
         )  # fmt: skip
+        yield " ".join(map(str, words))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """The main job on the 61 walks and runs of [C] tables A.2 and A.3: does it find the stride?
 
-Usage: python -m benchmarks.loops --data FOLDER [--json]
+Usage: python -m benchmarks.loops --data FOLDER [--json] [--keep]
 
 A period is right when it is a whole stride. Two yardsticks:
 
@@ -14,43 +14,47 @@ A period is right when it is a whole stride. Two yardsticks:
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 from pathlib import Path
 
 import numpy as np
 
 import roundelay as rl
+from benchmarks._harness import Target, parser, report
 from benchmarks.raunio import TABLES, find_capture
+
+TARGETS = (
+    Target("captures", "==", 61, "walks and runs of [C] that are there"),
+    Target("right", ">=", 61, "walks and runs of [C] whose stride is found"),
+)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    arguments = parser.parse_args()
+    arguments = parser(__doc__).parse_args()
     rows = [_row(arguments.data, name) for name in TABLES]
     summary = {
         "captures": len(rows),
         "with_a_cycle": sum(row["period"] is not None for row in rows),
         "right": sum(row["right"] for row in rows),
         "right_by_the_table": sum(row["yardstick"] == "table" for row in rows),
+        "published": sum(_sound(name) for name in TABLES),
         "seconds": round(sum(row["seconds"] for row in rows), 3),
     }
-    if arguments.json:
-        print(json.dumps({"summary": summary, "rows": rows}, indent=1))
-        return
-    for row in rows:
-        print(
-            f"{row['capture']}  period {row['period']}  [C] {row['table']}  "
-            f"feet {row['feet']}  {'right' if row['right'] else 'WRONG'} by {row['yardstick']}"
-        )
-    print(summary)
+    table = (
+        f"{row['capture']}  period {row['period']}  [C] {row['table']}  "
+        f"feet {row['feet']}  {'right' if row['right'] else 'WRONG'} by {row['yardstick']}"
+        for row in rows
+    )
+    report("loops", {"summary": summary, "rows": rows}, TARGETS, arguments, table=table)
+
+
+def _sound(name: str) -> bool:
+    """Whether [C] found more than one repetition, with a template error below .8 rad."""
+    count, error = TABLES[name]
+    return count > 1.0 and error < 0.8
 
 
 def _row(data: Path, name: str) -> dict[str, object]:
-    count, error = TABLES[name]
     motion = find_capture(data, name)
     started = time.perf_counter()
     try:
@@ -64,7 +68,7 @@ def _row(data: Path, name: str) -> dict[str, object]:
     period, evidence = cycle.period * motion.fps, cycle.evidence
     # A T-pose in front is no frame of [C]'s.
     frames = len(motion) - (1 if evidence.runs[0][0] == 1 else 0)
-    table = frames / count if count > 1.0 and error < 0.8 else None
+    table = frames / TABLES[name][0] if _sound(name) else None
     feet = _feet(motion, evidence.runs)
     by_table = table is not None and abs(period / table - 1.0) <= 0.03
     yardstick, right = ("table", True) if by_table else ("feet", abs(period / feet - 1.0) <= 0.05)

@@ -1,6 +1,6 @@
 """Segmentation against people's: our methods, other programs, a second person.
 
-Usage: python -m benchmarks.segmentation --data FOLDER [--json] [--peers PYTHON]
+Usage: python -m benchmarks.segmentation --data FOLDER [--json] [--keep] [--peers PYTHON]
 
 Cuts are matched one to one with the windows of [B] ([B]'s usual width where the labels have
 none), strictly and with tolerances. Other programs run in the Python given by --peers (this one
@@ -9,19 +9,19 @@ by default); those it does not hold are left out. No parameter of ours is set an
 
 from __future__ import annotations
 
-import argparse
 import json
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks._harness import Target, parser, report
 from benchmarks.segmentation_data import Capture, labelled, single_behaviours
 from roundelay.segmentation import (
     TOLERANCES,
@@ -39,6 +39,13 @@ OURS = {"gaussian": 0, "pca": 5, "ppca": 4, "ppca-paper": 4, "gmm": 2, "gmm-pape
 RADIANS = GaussianOptions(resolution=0.15)
 """What `segment` uses for motions; the four channels are angles in radians too."""
 
+TARGETS = (
+    Target("gaussian.strict.2", ">=", 0.835, "F against people's windows, strict"),
+    Target("gaussian.half_second.2", ">=", 0.971, "F within half a second"),
+    Target("gaussian.labels", ">=", 0.933, "frames whose label is right"),
+    Target("false_cuts", "<=", 0, "cuts in captures of one behaviour"),
+)
+
 
 @dataclass(frozen=True)
 class Row:
@@ -51,28 +58,47 @@ class Row:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/, labels/")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument(
+    options = parser(__doc__, data="folder that holds cmu/, labels/")
+    options.add_argument(
         "--peers", default=sys.executable, help="Python that has the peers; empty to leave them out"
     )
-    arguments = parser.parse_args()
+    arguments = options.parse_args()
     captures = labelled(arguments.data)
     programs = [(name, _ours(captures, name), count) for name, count in OURS.items()]
     programs += _peers(captures, arguments.peers)
     programs.append(("second person", _second_person(captures), 0))
-    table = [_summary(name, rows, count) for name, rows, count in programs]
+    programs_found = [_summary(name, rows, count) for name, rows, count in programs]
     ours = {name: rows for name, rows, _ in programs}
-    report = {
-        "programs": table,
+    result = {
+        "programs": programs_found,
         "better_than_ppca": _bootstrap(ours["gaussian"], ours["ppca"]),
         "invariance": _invariance(captures),
         "noise": _noise(captures),
         "single_behaviours": _false_cuts(arguments.data),
         "speed": _speed(captures),
     }
-    print(json.dumps(report, indent=1)) if arguments.json else _print(report)
+    result["summary"] = _figures(result)
+    report("segmentation", result, TARGETS, arguments, table=_table(result))
+
+
+def _figures(result: dict[str, Any]) -> dict[str, Any]:
+    """The figures of all captures by program, and what else is stated."""
+    programs = {
+        row["program"]: {
+            "parameters": row["parameters_to_set"],
+            "strict": row["all"]["strict"],
+            "half_second": row["all"]["+0.5 s"],
+            "labels": row["all"]["label_accuracy"],
+        }
+        for row in result["programs"]
+    }
+    first = result["programs"][0]
+    return {
+        **programs,
+        "captures": first["captures"],
+        "cuts": sum(one["cuts"][0]["true"] for one in first["per_capture"]),
+        "false_cuts": result["single_behaviours"]["false_cuts"],
+    }
 
 
 def _ours(captures: Sequence[Capture], name: str) -> list[Row]:
@@ -262,19 +288,19 @@ def _seconds(values: np.ndarray) -> float:
     return round(min(times), 3)
 
 
-def _print(report: dict[str, Any]) -> None:
-    print("pooled over all captures: P R F strict; P R F at +0.5 s; covering, labels, seconds")
-    for row in report["programs"]:
+def _table(result: dict[str, Any]) -> Iterator[str]:
+    yield "pooled over all captures: P R F strict; P R F at +0.5 s; covering, labels, seconds"
+    for row in result["programs"]:
         for group in ("all", "full", "four_channels"):
             m = row[group]
             figures = " ".join(f"{x:.2f}" for x in (*m["strict"], *m["+0.5 s"], m["covering"]))
             label = "-" if m["label_accuracy"] is None else f"{m['label_accuracy']:.3f}"
-            print(
+            yield (
                 f"{row['program']:22s} ({row['parameters_to_set']}) {group:14s} {figures}  "
                 f"{label}  {m['seconds']:.2f} s"
             )
     for key in ("better_than_ppca", "invariance", "noise", "single_behaviours", "speed"):
-        print(f"{key}: {json.dumps(report[key])}")
+        yield f"{key}: {json.dumps(result[key])}"
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Time, memory and agreement of circular coordinates beside the peers that install.
 
-    python -m benchmarks.topology --data FOLDER [--json] [--quick] [--limit 120]
+    python -m benchmarks.topology --data FOLDER [--json] [--keep] [--quick] [--limit 120]
 
 Every figure is the median of five runs (fewer where they are long) in a process of its own,
 which has imported the library and run it once on a small circle. A peer over the limit has no time.
@@ -8,9 +8,8 @@ which has imported the library and run it once on a small circle. A peer over th
 
 from __future__ import annotations
 
-import argparse
-import json
 import tempfile
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 import roundelay as rl
 from benchmarks._common import measure
+from benchmarks._harness import Target, parser, report
 from benchmarks._topology_methods import METHODS
 
 Points = NDArray[np.float64]
@@ -27,6 +27,13 @@ Row = dict[str, Any]
 
 LIBRARIES = {"gudhi": "gudhi", "DREiMac": "dreimac", "redzed": "redzed_tda", "canns": "canns_lib"}
 MEMORY_FIXED, MEMORY_PER_PAIR = 50e6, 16
+# How many points are measured by landmarks.
+LANDMARKS = 8000
+TARGETS = (
+    Target("bars", "<=", 1e-6, "largest difference of bars from those of ripser.py"),
+    Target("ripser_times", ">=", 100, "times faster than ripser.py and least squares"),
+    Target("memory_share", "<=", 1, "memory over the 50 MB and 16 bytes a pair allowed"),
+)
 
 
 def closed_curve(n: int, seed: int = 0) -> Points:
@@ -120,8 +127,8 @@ def growth(folder: Path, *, quick: bool) -> list[Row]:
             result = run(method, closed_curve(n), folder, repeats=5, limit=120)
             allowed = MEMORY_FIXED + MEMORY_PER_PAIR * n * n
             rows.append({"n": n, "method": method, **timing(result), "allowed": allowed})
-    result = run("roundelay_landmarks", closed_curve(8000), folder, repeats=5, limit=120)
-    rows.append({"n": 8000, "method": "roundelay_landmarks", **timing(result)})
+    result = run("roundelay_landmarks", closed_curve(LANDMARKS), folder, repeats=5, limit=120)
+    rows.append({"n": LANDMARKS, "method": "roundelay_landmarks", **timing(result)})
     return rows
 
 
@@ -129,7 +136,27 @@ def timing(result: Row) -> Row:
     return {key: result[key] for key in ("cpu", "wall", "bytes", "failed") if key in result}
 
 
-def summary(rows: list[Row]) -> list[Row]:
+def summary(compared: list[Row], faster: list[Row], grown: list[Row]) -> dict[str, Any]:
+    """CPU seconds by method and case, "> limit" where there are none; agreement and memory."""
+    seconds: dict[str, dict[str, Any]] = {}
+    for row in compared:
+        shown = row.get("cpu", row.get("failed", "").replace("over ", "> ").removesuffix(" s"))
+        seconds.setdefault(row["method"], {})[row["case"]] = shown
+    times = [row["ripser + lsqr"] for row in faster if row["ripser + lsqr"]]
+    ripser = [row for row in compared if row["method"] == "ripser.py + lsqr"]
+    largest = max((row for row in grown if "allowed" in row), key=lambda row: row["n"])
+    return {
+        "seconds": seconds,
+        "bars": max((row["bars"] for row in ripser if "bars" in row), default=None),
+        "phase": max((row["phase"] for row in ripser if "phase" in row), default=None),
+        "ripser_times": min(times, default=None),
+        "memory_share": max(row["bytes"] / row["allowed"] for row in grown if "allowed" in row),
+        "memory": {"points": largest["n"], "megabytes": largest["bytes"] / 1e6},
+        "landmarks": {"points": grown[-1]["n"], "seconds": grown[-1]["cpu"]},
+    }
+
+
+def times_faster(rows: list[Row]) -> list[Row]:
     """How many times faster than ripser.py + lsqr, and than the fastest exact bars-only peer."""
     found = []
     for case in dict.fromkeys(row["case"] for row in rows):
@@ -144,33 +171,30 @@ def summary(rows: list[Row]) -> list[Row]:
     return found
 
 
-def show(report: dict[str, list[Row]]) -> None:
-    for title, rows in report.items():
-        print(f"\n{title}")
+def lines(result: dict[str, list[Row]]) -> Iterator[str]:
+    for title, rows in result.items():
+        yield f"\n{title}"
         for row in rows:
             cells = [f"{v:.4g}" if isinstance(v, float) else str(v) for v in row.values()]
-            print("  " + "  ".join(map(" ".join, zip(row, cells, strict=True))))
+            yield "  " + "  ".join(map(" ".join, zip(row, cells, strict=True)))
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="circular coordinates beside the peers")
-    parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/")
-    parser.add_argument("--limit", type=float, default=120, help="seconds for one measurement")
-    parser.add_argument(
+    arguments = parser(__doc__)
+    arguments.add_argument("--limit", type=float, default=120, help="seconds for one measurement")
+    arguments.add_argument(
         "--quick", action="store_true", help="small inputs, one run each, 15 s at most"
     )
-    parser.add_argument("--json", action="store_true")
-    options = parser.parse_args()
+    options = arguments.parse_args()
     limit = 15 if options.quick else options.limit
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         compared = compare(options.data, folder, quick=options.quick, limit=limit)
         grown = growth(folder, quick=options.quick)
-    report = {"compared": compared, "times faster (CPU)": summary(compared), "growth": grown}
-    if options.json:
-        print(json.dumps(report))
-    else:
-        show(report)
+    faster = times_faster(compared)
+    result = {"compared": compared, "times faster (CPU)": faster, "growth": grown}
+    told = {"summary": summary(compared, faster, grown), **result}
+    report("topology", told, TARGETS, options, table=lines(result))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Reading and writing BVH and AMC: speed and memory, beside other readers, and what they take.
 
-Usage: python -m benchmarks.formats --data FOLDER [--json]
+Usage: python -m benchmarks.formats --data FOLDER [--json] [--keep]
 
 Every reader runs in this process on the same files; the best of several runs counts. Frames per
 second of reading include what each makes of the numbers: quaternions here, Euler angles in
@@ -11,25 +11,32 @@ the result, in multiples of the file's size.
 
 from __future__ import annotations
 
-import argparse
 import functools
-import json
 import tempfile
 import time
 import tracemalloc
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import roundelay as rl
 from benchmarks import sandbox
+from benchmarks._harness import Target, parser, report
 from benchmarks.bvh_samples import BROKEN, VALID, text
 
 FRAMES, JOINTS = 3, 3
 SECONDS = 10.0
 ROUNDS = 3
+TARGETS = (
+    Target("refused.roundelay", "==", len(BROKEN), "broken files refused"),
+    Target("valid_read.roundelay", "==", len(VALID), "odd files read right"),
+    Target("fastest_strict", "==", 1, "the fastest reader of those that refuse all broken files"),
+    Target("fastest", "==", 1, "the fastest reader of all"),
+    Target("amc.read", ">=", 30000, "frames of an AMC read in a second"),
+    Target("memory_of_the_file", "<=", 8, "most memory of a reading, in sizes of the file"),
+)
 
 
 @dataclass(frozen=True)
@@ -89,14 +96,12 @@ PEERS = {
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    arguments = parser.parse_args()
+    arguments = parser(__doc__, data="folder that holds cmu/, bundle/").parse_args()
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory() as folder:
         result = _measure(arguments.data, Path(folder))
-    print(json.dumps(result, indent=1) if arguments.json else _table(result))
+    told = {"summary": _summary(**result), **result}
+    report("formats", told, TARGETS, arguments, table=_table(result))
 
 
 def _measure(data: Path, folder: Path) -> dict[str, Any]:
@@ -108,9 +113,7 @@ def _measure(data: Path, folder: Path) -> dict[str, Any]:
     speeds = {title: _race(path, folder, list(PEERS)) for title, path in files.items()}
     speeds["86_01.amc"] = _race(amc, folder, ["roundelay"])
     memory = {path.name: _memory(path) for path in (*files.values(), amc)}
-    return {"frames_per_second": speeds, "samples": samples, "peak_memory": memory} | {
-        "checks": _checks(speeds, samples, memory)
-    }
+    return {"frames_per_second": speeds, "samples": samples, "peak_memory": memory}
 
 
 def _race(path: Path, folder: Path, names: list[str]) -> dict[str, Any]:
@@ -164,8 +167,8 @@ def _samples(name: str, folder: Path) -> dict[str, Any]:
     unread = [t for (kind, t), found in outcomes.items() if kind == "valid" and found != "right"]
     taken = {t: f for (kind, t), f in outcomes.items() if kind == "broken" and f != "refused"}
     return {
-        "valid_read": f"{len(VALID) - len(unread)}/{len(VALID)}",
-        "broken_refused": f"{len(BROKEN) - len(taken)}/{len(BROKEN)}",
+        "valid_read": len(VALID) - len(unread),
+        "broken_refused": len(BROKEN) - len(taken),
         "valid_not_read": unread,
         "broken_not_refused": taken,
     }
@@ -182,32 +185,41 @@ def _outcome(name: str, path: str) -> str:
     return "right" if (frames, joints) == (FRAMES, JOINTS) else f"{frames} x {joints}"
 
 
-def _checks(speeds: Any, samples: Any, memory: Any) -> dict[str, bool]:
+def _summary(frames_per_second: Any, samples: Any, peak_memory: Any) -> dict[str, Any]:
+    """Frames a second, files read right and refused by reader, and how we stand among them."""
+    bvh, amc = frames_per_second["86_01.bvh"], frames_per_second["86_01.amc"]["roundelay"]
+    reading = {name: speed["read"] for name, speed in bvh.items()}
     strict = [name for name, sample in samples.items() if not sample["broken_not_refused"]]
-    readings = {name: speeds["86_01.bvh"][name]["read"] for name in PEERS}
+    refused = {name: sample["broken_refused"] for name, sample in samples.items()}
+    peers = [refused[name] for name in refused if name != "roundelay"]
     return {
-        "all_broken_files_refused": "roundelay" in strict,
-        "fastest_of_those_that_refuse_all": readings["roundelay"]
-        >= max((readings[name] for name in strict), default=0),
-        "fastest_of_all": readings["roundelay"] >= max(readings.values()),
-        "amc_30000_frames_per_second": speeds["86_01.amc"]["roundelay"]["read"] >= 30000,
-        "memory_8_times_the_file": all(file["times_the_file"] <= 8 for file in memory.values()),
+        "frames": bvh["roundelay"]["frames"],
+        "joints": bvh["roundelay"]["joints"],
+        "read": reading,
+        "write": {name: speed["write"] for name, speed in bvh.items()},
+        "amc": {"read": amc["read"], "write": amc["write"]},
+        "valid": len(VALID),
+        "valid_read": {name: sample["valid_read"] for name, sample in samples.items()},
+        "broken": len(BROKEN),
+        "refused": refused,
+        "refused_by_peers": {"fewest": min(peers), "most": max(peers)},
+        "fastest_strict": reading["roundelay"] >= max((reading[x] for x in strict), default=0),
+        "fastest": reading["roundelay"] >= max(reading.values()),
+        "memory_of_the_file": max(file["times_the_file"] for file in peak_memory.values()),
     }
 
 
-def _table(result: dict[str, Any]) -> str:
-    lines = []
+def _table(result: dict[str, Any]) -> Iterator[str]:
     for title, peers in result["frames_per_second"].items():
-        lines.append(f"{title}: frames per second read, written")
+        yield f"{title}: frames per second read, written"
         for name, speed in peers.items():
-            lines.append(f"  {name:14}{speed['read']:>10}{speed['write']:>10}")
-    lines.append("odd files read right, broken files refused")
+            yield f"  {name:14}{speed['read']:>10}{speed['write']:>10}"
+    yield f"odd files read right, of {len(VALID)}; broken files refused, of {len(BROKEN)}"
     for name, sample in result["samples"].items():
-        lines.append(f"  {name:14}{sample['valid_read']:>10}{sample['broken_refused']:>10}")
-    lines.append("peak memory beyond the result, in file sizes")
+        yield f"  {name:14}{sample['valid_read']:>10}{sample['broken_refused']:>10}"
+    yield "peak memory beyond the result, in file sizes"
     for name, memory in result["peak_memory"].items():
-        lines.append(f"  {name:14}{memory['times_the_file']:>10}")
-    return "\n".join(lines + [f"{check}: {held}" for check, held in result["checks"].items()])
+        yield f"  {name:14}{memory['times_the_file']:>10}"
 
 
 if __name__ == "__main__":

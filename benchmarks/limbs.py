@@ -1,6 +1,6 @@
 """Limbs that pass through each other in loops, blends and transitions, before and after repair.
 
-Usage: python -m benchmarks.limbs --data FOLDER [--pairs 200]
+Usage: python -m benchmarks.limbs --data FOLDER [--pairs 200] [--json] [--keep]
 
 Of all captures (BVH, AMC) below the folder: how many loops, blends of two cycles of one skeleton
 (at random weights) and transitions have bones that meet, meet more than in the captures they are
@@ -11,8 +11,6 @@ period, before and after, in body sizes and seconds (medians).
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
 import warnings
 from collections import defaultdict
@@ -23,6 +21,7 @@ from typing import Any
 import numpy as np
 
 import roundelay as rl
+from benchmarks._harness import Target, parser, report
 from roundelay.cycles.edit.separate import Mended, repaired, repaired_motion, source_parts
 from roundelay.geometry.contacts import find_feet, foot_points, skate
 from roundelay.geometry.kinematics import forward_kinematics
@@ -32,13 +31,16 @@ from roundelay.motion.features import point_cloud
 
 Found = tuple[rl.Cycle, list[rl.Motion]]
 FPS = 120.0
+TARGETS = (
+    Target("loops.left", "<=", 0, "loops in which limbs still meet after repair"),
+    Target("blends.left", "<=", 0, "blends in which they do"),
+)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--data", type=Path, required=True, help="folder of captures")
-    parser.add_argument("--pairs", type=int, default=200, help="pairs of cycles a skeleton")
-    arguments = parser.parse_args()
+    options = parser(__doc__, data="folder of captures")
+    options.add_argument("--pairs", type=int, default=200, help="pairs of cycles a skeleton")
+    arguments = options.parse_args()
     warnings.simplefilter("ignore")
     found = cycles(arguments.data)
     pairs = alike(found, arguments.pairs)
@@ -57,7 +59,7 @@ def main() -> None:
         "blends": summary([looped(*one) for one in blends]),
         "transitions": summary([passed(*one) for one in transitions]),
     }
-    print(json.dumps(result, indent=1))
+    report("limbs", {"summary": result}, TARGETS, arguments)
 
 
 def cycles(folder: Path) -> list[Found]:
@@ -140,17 +142,21 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
     idle = [row["seconds"] for row in rows if not row["meet"]] or [0.0]
     busy = [row["seconds"] for row in turned] or [0.0]
     told: dict[str, Any] = {
-        "looked at": len(rows),
+        "count": len(rows),
         **{key: sum(row[key] for row in rows) for key in ("meet", "over", "left")},
         "repaired": len(turned),
-        "degrees, median and most": [round(float(np.median(degrees)), 2), round(max(degrees), 2)],
-        "seconds, idle and repairing": [round(float(np.median(x)), 4) for x in (idle, busy)],
+        "degrees": {"median": round(float(np.median(degrees)), 2), "most": round(max(degrees), 2)},
+        "seconds_idle": round(float(np.median(idle)), 4),
+        "seconds_repairing": round(float(np.median(busy)), 4),
     }
     figures = np.array([row["figures"] for row in turned if "figures" in row])
     if len(figures):
         before, after = np.median(figures, axis=0)
-        for number, name in enumerate(("seam velocity", "jerk", "skate")):
-            told[name] = [round(float(before[number]), 5), round(float(after[number]), 5)]
+        for number, name in enumerate(("seam_velocity", "jerk", "skate")):
+            told[name] = {
+                "before": round(float(before[number]), 5),
+                "after": round(float(after[number]), 5),
+            }
     return told
 
 

@@ -1,6 +1,6 @@
 """The page in headless Chromium: its size, its load time, its frames a second.
 
-Usage: python -m benchmarks.page [--seconds 3] [--json] [CAPTURE ...]
+Usage: python -m benchmarks.page [--seconds 3] [--json] [--keep] [CAPTURE ...]
 
 By default the bundled captures and a made one of 3000 frames at 30 a second, whose every frame
 is in the page. Frames a second are counted while the page plays at 1366 x 820, in each of its
@@ -11,8 +11,6 @@ script, without the browser's own painting. Needs ``pip install playwright`` and
 
 from __future__ import annotations
 
-import argparse
-import json
 import shutil
 import tempfile
 import time
@@ -21,10 +19,16 @@ from pathlib import Path
 from typing import Any
 
 import roundelay as rl
+from benchmarks._harness import Target, parser, report
 from roundelay import synth
 from roundelay.output.page import build_page
 
 BUNDLED = sorted(Path(__file__).parent.parent.glob("data/captures/*.bvh"))
+TARGETS = (
+    Target("slowest", ">=", 30, "frames a second in the slowest view"),
+    Target("load_ms", "<=", 1000, "milliseconds until the page is ready"),
+    Target("kilobytes", "<=", 300, "kB of the largest page"),
+)
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
 # Counts frames, and times the callbacks that the page asks to run in them.
 COUNTER = """
@@ -40,25 +44,30 @@ window.requestAnimationFrame = (work) => ask((now) => {
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("captures", nargs="*", type=Path)
-    parser.add_argument("--seconds", type=float, default=3.0, help="played in each view")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    arguments = parser.parse_args()
+    options = parser(__doc__, data=None)
+    options.add_argument("captures", nargs="*", type=Path)
+    options.add_argument("--seconds", type=float, default=3.0, help="played in each view")
+    arguments = options.parse_args()
     motions = [_read(path) for path in arguments.captures or BUNDLED]
     if not arguments.captures:
         motions.append(synth.gait("walk", repetitions=91.0, fps=30.0).motion)
     rows = _measured(motions, arguments.seconds)
-    if arguments.json:
-        print(json.dumps(rows, indent=1))
-        return
-    for row in rows:
-        views = ", ".join(f"{name} {fps:.0f}" for name, fps in row["fps"].items())
-        print(
-            f"{row['capture']}: {row['frames']} frames, {row['joints']} joints; built in "
-            f"{row['build_seconds']:.2f} s, {row['kilobytes']:.0f} kB, ready after "
-            f"{row['load_ms']:.0f} ms; frames a second: {views}; drawing {row['draw_ms']:.1f} ms"
-        )
+    summary = {
+        "slowest": min(min(row["fps"].values()) for row in rows),
+        "load_ms": max(row["load_ms"] for row in rows),
+        "kilobytes": max(row["kilobytes"] for row in rows),
+        "captures": {row["capture"]: row for row in rows},
+    }
+    report("page", {"summary": summary}, TARGETS, arguments, table=map(_line, rows))
+
+
+def _line(row: dict[str, Any]) -> str:
+    views = ", ".join(f"{name} {fps:.0f}" for name, fps in row["fps"].items())
+    return (
+        f"{row['capture']}: {row['frames']} frames, {row['joints']} joints; built in "
+        f"{row['build_seconds']:.2f} s, {row['kilobytes']:.0f} kB, ready after "
+        f"{row['load_ms']:.0f} ms; frames a second: {views}; drawing {row['draw_ms']:.1f} ms"
+    )
 
 
 def _read(path: Path) -> rl.Motion:

@@ -1,6 +1,6 @@
 """What [A] says of its captures of several motions, and its blends, beside what is found here.
 
-Usage: python -m benchmarks.paper_a --data FOLDER [--json]
+Usage: python -m benchmarks.paper_a --data FOLDER [--json] [--keep]
 
 - ``rows``: captures of table 1 and figures 7, 9, 10, 11: bars, classes, excitation regions, and
   the parts found by `find_cycles`, steady ones and gestures, with the times of [A] (its cohomology
@@ -16,17 +16,16 @@ Usage: python -m benchmarks.paper_a --data FOLDER [--json]
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
 import numpy as np
 
 import roundelay as rl
-from benchmarks.paper_a_data import KINDS, ROWS, Row, excerpt
+from benchmarks._harness import Target, parser, report
+from benchmarks.paper_a_data import FRAMES_A_SECOND, KINDS, ROWS, Row, excerpt
 from benchmarks.raunio import find_capture
 from roundelay.geometry import contacts
 from roundelay.geometry import rotations as rot
@@ -39,6 +38,14 @@ from roundelay.timeline.proposals.excitation import Excitation, excitations
 Result = TypeVar("Result")
 METRICS = ("euclidean", "variance", "adjacent")
 MOST_CLASSES = 8
+TARGETS = (
+    Target("parts", "==", 60, "parts of 20 concatenations"),
+    Target("back", ">=", 57, "parts found again within .5 s, their periods within 5 %"),
+    Target("blends.period", "==", 1, "the period of a blend grows with its weight"),
+    Target("blends.speed", "==", 1, "so does its speed"),
+    Target("blends.skate_of_travel", "==", 1, "and its sliding over the distance"),
+    Target("trajectories.walk.harmonic.frames_a_second", ">=", 1000, "frames a second, to cycle"),
+)
 
 
 def timed(work: Callable[[], Result], repeats: int = 3) -> tuple[Result, float, float]:
@@ -263,10 +270,7 @@ def throughput(data: Path) -> dict[str, Any]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    arguments = parser.parse_args()
+    arguments = parser(__doc__).parse_args()
     rng = np.random.default_rng(0)
     joined = [concatenation(arguments.data, rng) for _ in range(20)]
     back = [part["back"] for one in joined for part in one["parts"]]
@@ -277,29 +281,58 @@ def main() -> None:
         "trajectories": trajectories(arguments.data),
         "throughput": throughput(arguments.data),
     }
-    print(json.dumps(result, indent=1) if arguments.json else _table(result))
+    told = {"summary": _summary(result), **result}
+    report("paper_a", told, TARGETS, arguments, table=_table(result), bulk=("rows",))
 
 
-def _table(result: dict[str, Any]) -> str:
-    lines = []
+def _summary(result: dict[str, Any]) -> dict[str, Any]:
+    """What is stated elsewhere: parts, CPU seconds, blends, trajectories by kind and method."""
+    joined, mixed = result["concatenations"], result["blends"]
+    trajectories: dict[str, dict[str, Any]] = {}
+    for one in result["trajectories"]:
+        trajectories.setdefault(one["kind"], {})[one["method"]] = one
+    return {
+        "parts": joined["parts"],
+        "back": joined["back"],
+        "seconds": {
+            one["capture"]: {
+                "frames": one["frames"],
+                "published": one["[A]"]["seconds"],
+                "excitations": one["euclidean"]["seconds"]["cpu"],
+                "find_cycles": one["parts_seconds"]["cpu"],
+                "gestures": one["gestures_seconds"]["cpu"],
+            }
+            for one in result["rows"]
+        },
+        "blends": {
+            **mixed["monotone"],
+            "count": len(mixed["rows"]),
+            **{key: _range(mixed["rows"], key) for key in ("skate", "skate_locked")},
+        },
+        "published_frames_a_second": FRAMES_A_SECOND,
+        "trajectories": trajectories,
+    }
+
+
+def _range(rows: list[dict[str, Any]], key: str) -> list[float]:
+    return [min(row[key] for row in rows), max(row[key] for row in rows)]
+
+
+def _table(result: dict[str, Any]) -> Iterator[str]:
     for one in result["rows"]:
-        lines.append(f"{one['capture']}: {one['frames']} frames; [A] {one['[A]']['seconds']} s")
+        yield f"{one['capture']}: {one['frames']} frames; [A] {one['[A]']['seconds']} s"
         for metric in METRICS:
             found = one[metric]
             told = ", ".join(f"{name} {turns}" for name, (turns, _) in found["behaviours"].items())
-            lines.append(
-                f"  {metric}: {found['n_classes']} classes in {found['seconds']['cpu']} s; {told}"
-            )
-        lines += [
-            f"  {what} in {one[f'{what}_seconds']['cpu']} s: {one[what]}"
-            for what in ("parts", "gestures")
-        ]
+            yield f"  {metric}: {found['n_classes']} classes in {found['seconds']['cpu']} s; {told}"
+        for what in ("parts", "gestures"):
+            yield f"  {what} in {one[f'{what}_seconds']['cpu']} s: {one[what]}"
     joined, mixed = result["concatenations"], result["blends"]
-    lines.append(f"concatenations: {joined['back']} of {joined['parts']} parts back")
-    lines += [str(r) for r in mixed["rows"]]
-    lines += [f"monotone: {mixed['monotone']}", f"transition: {mixed['transition']}"]
-    lines += [str(one) for one in result["trajectories"]]
-    return "\n".join([*lines, f"throughput: {result['throughput']}"])
+    yield f"concatenations: {joined['back']} of {joined['parts']} parts back"
+    yield from map(str, mixed["rows"])
+    yield from (f"monotone: {mixed['monotone']}", f"transition: {mixed['transition']}")
+    yield from map(str, result["trajectories"])
+    yield f"throughput: {result['throughput']}"
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Truncated, damaged and odd files: a motion or one FormatError, nothing else.
 
-Usage: python -m benchmarks.robustness --data FOLDER [--json] [--mutations N]
+Usage: python -m benchmarks.robustness --data FOLDER [--json] [--keep] [--mutations N]
 
 Reads evenly spaced prefixes and random mutations of a BVH, an AMC and an ASF, and every file of
 the folder's odd/, in a process with limits on time (10 s a file) and memory (4 GB).
@@ -8,8 +8,6 @@ the folder's odd/, in a process with limits on time (10 s a file) and memory (4 
 
 from __future__ import annotations
 
-import argparse
-import json
 import tempfile
 import warnings
 from collections import Counter
@@ -21,8 +19,13 @@ import numpy as np
 
 import roundelay as rl
 from benchmarks import sandbox
+from benchmarks._harness import Target, parser, report
 
 PREFIXES = 300
+TARGETS = (
+    Target("other", "<=", 0, "files that raise anything but FormatError, or end the process"),
+    Target("hang", "<=", 0, "files that take longer than the limit"),
+)
 SECONDS = 10.0
 INSERTED = (
     b"nan inf 1e999 1_0 0x1F -- { } ( ) : # // JOINT ROOT End OFFSET CHANNELS MOTION Frames: "
@@ -31,14 +34,14 @@ INSERTED = (
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/ and odd/")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument("--mutations", type=int, default=2000, help="of all files together")
-    arguments = parser.parse_args()
+    options = parser(__doc__, data="folder that holds cmu/ and odd/")
+    options.add_argument("--mutations", type=int, default=2000, help="of all files together")
+    arguments = options.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         result = _measure(arguments.data, Path(folder), arguments.mutations)
-    print(json.dumps(result, indent=1) if arguments.json else _table(result))
+    told = {"summary": result["all"], **result}
+    table = (f"{name}: {found}" for name, found in result.items())
+    report("robustness", told, TARGETS, arguments, table=table)
 
 
 def _measure(data: Path, folder: Path, mutations: int) -> dict[str, dict[str, int]]:
@@ -116,10 +119,6 @@ def _changed(text: bytes, at: int, rng: np.random.Generator) -> bytes:
         case _:
             other = int(rng.integers(len(text) + 1))
             return text[:at] + text[other : other + length] + text[at + length :]
-
-
-def _table(result: dict[str, dict[str, int]]) -> str:
-    return "\n".join(f"{name}: {found}" for name, found in result.items())
 
 
 if __name__ == "__main__":

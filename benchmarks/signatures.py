@@ -1,6 +1,6 @@
 """Walks and runs of [C] told apart by `roundelay.compare.distances`; a library made and searched.
 
-Usage: python -m benchmarks.signatures --data FOLDER [--json]
+Usage: python -m benchmarks.signatures --data FOLDER [--json] [--keep]
 
 For each distance: how many of the captures have a nearest other one of their own kind, the same
 where captures of the same person do not count, and how many are in a group of their own kind
@@ -15,7 +15,6 @@ groups they are. Cycles that can be compared with no other person's are left out
 
 from __future__ import annotations
 
-import argparse
 import csv
 import json
 import os
@@ -29,6 +28,7 @@ from typing import Any
 import numpy as np
 
 import roundelay as rl
+from benchmarks._harness import Target, parser, report
 from benchmarks.raunio import RUNS, TABLES, find_capture
 from roundelay.compare.distances import (
     bottleneck_distance,
@@ -45,13 +45,17 @@ from roundelay.library.store import Shelf, write_shelves
 # Words of the descriptions, and the kinds they speak of.
 KINDS = {"walk": "walk", "run": "run", "boxing": "boxing"}
 ENLARGED = 10_000
+TARGETS = (
+    Target("cycle.nearest_of_its_kind", ">=", 46, "walks and runs whose nearest is of their kind"),
+    Target("library.kinds.run.nearest_of_another_person", ">=", 31, "runs next to a run"),
+    Target("library.kinds.walk.nearest_of_its_kind", ">=", 35, "walks next to a walk"),
+    Target("library.search_enlarged.search_cpu_seconds", "<=", 0.2, "seconds to search 10,000"),
+    Target("library.groups_of_walks_and_runs", "<=", 0, "groups that hold walks and runs"),
+)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    arguments = parser.parse_args()
+    arguments = parser(__doc__).parse_args()
     names, cycles = _cycles(arguments.data)
     barcodes = [cycle.evidence.barcode for cycle in cycles if cycle.evidence is not None]
     result: dict[str, Any] = {"captures": len(names)}
@@ -65,7 +69,7 @@ def main() -> None:
         spent = time.process_time() - started
         result[label] = _figures(names, apart) | {"cpu_seconds": round(spent, 2)}
     result["library"] = _library(arguments.data, cycles[0])
-    print(json.dumps(result, indent=1) if arguments.json else result)
+    report("signatures", {"summary": result}, TARGETS, arguments)
 
 
 def _cycles(data: Path) -> tuple[list[str], list[rl.Cycle]]:
@@ -109,7 +113,11 @@ def _library(data: Path, query: rl.Cycle) -> dict[str, Any]:
         started = time.process_time()
         grouped(large.shelves)
         result["group_enlarged_cpu_seconds"] = round(time.process_time() - started, 1)
-    return result | {"kinds": _kinds(library, _descriptions(data))}
+    kinds = _kinds(library, _descriptions(data))
+    mixed = set(kinds["walk"]["groups"]) & set(kinds["run"]["groups"])
+    for found in kinds.values():
+        found["groups"] = list(found["groups"].values())
+    return result | {"kinds": kinds, "groups_of_walks_and_runs": len(mixed)}
 
 
 def _enlarged(library: rl.Library, folder: Path) -> rl.Library:

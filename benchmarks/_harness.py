@@ -48,17 +48,18 @@ class Target:
         return f"{self.words}: expected {self.path} {self.sense} {self.value:g}, found {shown}"
 
 
-def figure(summary: Any, path: str) -> Any:
+def figure(found: Any, path: str) -> Any:
     """Return what stands at a path of keys with dots between; None where there is nothing."""
-    found = summary
-    for key in path.split("."):
-        if isinstance(found, list) and key.isdigit() and int(key) < len(found):
-            found = found[int(key)]
-        elif isinstance(found, dict):
-            found = found.get(key)
-        else:
-            return None
-    return found
+    if not path or found is None:
+        return found
+    if isinstance(found, list):
+        place, _, rest = path.partition(".")
+        return figure(found[int(place)], rest) if int(place) < len(found) else None
+    # A key may hold dots itself.
+    for key, value in found.items() if isinstance(found, dict) else ():
+        if path == key or path.startswith(f"{key}."):
+            return figure(value, path[len(key) + 1 :])
+    return None
 
 
 def parser(words: str, *, data: str | None = "folder that holds cmu/") -> argparse.ArgumentParser:

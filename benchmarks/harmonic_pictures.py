@@ -21,6 +21,9 @@ from roundelay.reproduction import raunio
 # Rows where [C] fails: an error above .8 or one period.
 FAILED = ("02_01", "07_09", "16_08", "16_55", "16_57", "35_19", "35_26")
 
+# Whose methods some functions run, which no user's path does.
+PAPERS_OWN = {"pictures": "[C] M1"}
+
 
 def pictures(data: Path, folder: Path) -> None:
     """Draw the rows where [C] fails: joint angles on principal axes, and the fastest over time."""

@@ -19,7 +19,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -32,11 +32,11 @@ from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.loops.quality import quality
 from roundelay.motion.features import point_cloud
-from roundelay.timeline.options import Method
 from roundelay.timeline.proposals.excitation import Excitation, excitations
 
 Result = TypeVar("Result")
 METRICS = ("euclidean", "variance", "adjacent")
+METHODS: Any = ("harmonic", "centroid", "paper")
 MOST_CLASSES = 8
 TARGETS = (
     Target("parts", "==", 60, "parts of 20 concatenations"),
@@ -235,7 +235,7 @@ def trajectories(data: Path) -> list[dict[str, Any]]:
     for kind, chosen in KINDS.items():
         name, frames = chosen[0]
         motion = excerpt(data, name, frames)
-        for method in get_args(Method):
+        for method in METHODS:
             options = rl.Options(method=method, most=1)
             found, cpu, _ = timed(lambda options=options, m=motion: rl.find_cycles(m, options))
             figures = quality(found[0], motion)

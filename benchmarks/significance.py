@@ -14,7 +14,8 @@ its period counts as right within 5 %.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -24,12 +25,8 @@ import roundelay as rl
 from benchmarks._harness import Target, parser, report
 from roundelay import synth
 from roundelay.geometry import rotations as rot
-from roundelay.motion.poses import PoseArray
 
 Points = NDArray[np.float64]
-Take = rl.Motion | PoseArray
-Draw = Callable[[np.random.Generator, int], Take]
-
 DIMENSIONS = 10
 TURNS = 4
 NOISES = (0.1, 0.2, 0.3, 0.5)
@@ -42,10 +39,24 @@ TARGETS = (
 )
 
 
-def cloud(points: Points) -> PoseArray:
-    """Ten points that move along a line each."""
-    names = tuple(f"point {number}" for number in range(points.shape[1]))
-    return PoseArray(names, points[:, :, None], fps=30.0)
+@dataclass(frozen=True)
+class Cloud:
+    """What `roundelay.find_periodic` asks of a take: here ten points that move on a line each."""
+
+    values: Points
+    names: tuple[str, ...] = tuple(f"point {number}" for number in range(DIMENSIONS))
+    groups: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    missing: None = None
+    fps: float = 30.0
+    size: float = 1.0
+
+
+Take = rl.Motion | Cloud
+Draw = Callable[[np.random.Generator, int], Take]
+
+
+def cloud(points: Points) -> Cloud:
+    return Cloud(points[:, :, None])
 
 
 def independent(rng: np.random.Generator, frames: int) -> Take:

@@ -140,8 +140,9 @@ def summary(compared: list[Row], faster: list[Row], grown: list[Row]) -> dict[st
     """CPU seconds by method and case, "> limit" where there are none; agreement and memory."""
     seconds: dict[str, dict[str, Any]] = {}
     for row in compared:
-        shown = row.get("cpu", row.get("failed", "").replace("over ", "> ").removesuffix(" s"))
-        seconds.setdefault(row["method"], {})[row["case"]] = shown
+        late = row.get("failed", "").startswith("over ")
+        shown = row["failed"].replace("over ", "> ").removesuffix(" s") if late else "none"
+        seconds.setdefault(row["method"], {})[row["case"]] = row.get("cpu", shown)
     times = [row["ripser + lsqr"] for row in faster if row["ripser + lsqr"]]
     ripser = [row for row in compared if row["method"] == "ripser.py + lsqr"]
     largest = max((row for row in grown if "allowed" in row), key=lambda row: row["n"])
@@ -181,7 +182,9 @@ def lines(result: dict[str, list[Row]]) -> Iterator[str]:
 
 def main() -> None:
     arguments = parser(__doc__)
-    arguments.add_argument("--limit", type=float, default=120, help="seconds for one measurement")
+    arguments.add_argument(
+        "--limit", type=float, default=120, help="CPU seconds for one measurement"
+    )
     arguments.add_argument(
         "--quick", action="store_true", help="small inputs, one run each, 15 s at most"
     )

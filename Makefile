@@ -8,7 +8,7 @@ BLENDER_PYTHON ?= python3.11
 BLENDERS ?= 5.0.1 4.5.15
 CAPTURES := 01_01 01_03 Boxing_Toes
 
-.PHONY: demo test page-test docs check setup clean blender-extension blender-test
+.PHONY: demo test page-test docs figures check setup clean blender-extension blender-test
 
 demo: $(VENV)/.installed
 	@mkdir -p out
@@ -29,6 +29,9 @@ page-test: $(VENV)/.browser
 docs: $(VENV)/.documented
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs out/docs
 	@echo "The documentation is in out/docs/index.html."
+
+figures: $(VENV)/.installed
+	@$(BIN)/python -m benchmarks.figures
 
 check: $(VENV)/.tested
 	$(BIN)/ruff check .

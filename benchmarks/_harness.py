@@ -3,7 +3,7 @@
 A report is JSON. ``summary`` holds the figures of the targets by name, and ``short``, the targets
 that were missed. Beside it stand the machine, the threads of BLAS, the commit and the date; then
 whatever else was measured. ``--keep`` writes it to ``benchmarks/results/NAME.json``, from which
-`benchmarks.numbers` fills in the figures of the README and of the documentation.
+`benchmarks.figures` fills in the figures of the README and of the documentation.
 """
 
 from __future__ import annotations

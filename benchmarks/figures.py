@@ -1,13 +1,13 @@
 """Fill in the figures of the README and the documentation from ``benchmarks/results/``.
 
-Usage: python -m benchmarks.numbers
+Usage: python -m benchmarks.figures
 
 Two marks say which text is filled in; neither is seen when a page is rendered. Within a line, a
 comment holds the template of the text up to the next comment::
 
     A library of <!-- {signatures.library.loops} -->117<!-- / --> loops
 
-Before a table, a comment that begins with ``numbers`` holds the template of the whole table.
+Before a table, a comment that begins with ``figures`` holds the template of the whole table.
 
 ``{NAME.PATH}`` is the figure at a path of keys in the summary of ``results/NAME.json``. After a
 colon, ``.2f`` asks for two decimals, ``2`` for two significant digits. Thousands get a comma, and
@@ -21,13 +21,14 @@ import math
 import re
 from collections.abc import Iterator
 from functools import cache
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 from benchmarks._harness import RESULTS, ROOT, figure
 
 FIGURE = re.compile(r"\{(\w+)\.([^{}]+?)(?::(\.\d+f|\d))?\}")
-TABLE = re.compile(r"<!-- numbers\n(?P<template>.*?)\n-->\n\n(?P<text>(?:\|.*(?:\n|\Z))+)", re.S)
+TABLE = re.compile(r"<!-- figures\n(?P<template>(?:\|.*\n)+)-->\n\n(?P<text>(?:\|.*\n)+)")
 INLINE = re.compile(r"<!-- (?P<template>[^\n]*?\{[^\n]*?) -->(?P<text>[^\n]*?)<!-- / -->")
 MARKS = (TABLE, INLINE)
 
@@ -58,9 +59,8 @@ def differences(text: str) -> Iterator[str]:
     for mark in MARKS:
         for found in mark.finditer(text):
             right = rendered(found["template"])
-            for ours, theirs in zip(
-                found["text"].strip().split("\n"), right.split("\n"), strict=False
-            ):
+            lines = zip_longest(found["text"].split("\n"), right.split("\n"))
+            for ours, theirs in lines:
                 if ours != theirs:
                     yield f"expected {theirs!r}, found {ours!r}"
 
@@ -77,10 +77,8 @@ def rendered(template: str) -> str:
 
 
 def _renewed(found: re.Match[str]) -> str:
-    right = rendered(found["template"])
-    end = "\n" if found["text"].endswith("\n") else ""
-    whole, start = found[0], found.start("text") - found.start()
-    return whole[:start] + right + end + whole[start + len(found["text"]) :]
+    whole, start, end = found[0], *(place - found.start() for place in found.span("text"))
+    return whole[:start] + rendered(found["template"]) + whole[end:]
 
 
 def _shown(name: str, path: str, spec: str | None) -> str:

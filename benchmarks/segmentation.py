@@ -78,7 +78,7 @@ def main() -> None:
         "speed": _speed(captures),
     }
     result["summary"] = _figures(result)
-    report("segmentation", result, TARGETS, arguments, table=_table(result))
+    report("segmentation", result, TARGETS, arguments, table=_table(result), bulk=("programs",))
 
 
 def _figures(result: dict[str, Any]) -> dict[str, Any]:

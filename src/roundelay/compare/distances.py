@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.numeric import SMALLEST
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import align
 from roundelay.topology.rips import Barcode
@@ -227,5 +228,5 @@ def _silhouette(distances: Array, labels: Labels) -> float:
     own = sizes[labels]
     within = sums[np.arange(len(labels)), labels] / np.maximum(own - 1, 1)
     beyond = np.where(member, np.inf, sums / sizes).min(axis=1)
-    widest = np.maximum(np.maximum(within, beyond), 1e-300)
+    widest = np.maximum(np.maximum(within, beyond), SMALLEST)
     return float(np.mean(np.where(own > 1, (beyond - within) / widest, 0.0)))

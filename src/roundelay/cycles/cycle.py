@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.cycles.edit.footlock import lock_feet
+from roundelay.cycles.thresholds import CYCLE
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion, checked_rate
@@ -17,9 +18,6 @@ from roundelay.timeline.evidence import Evidence
 __all__ = ["Cycle"]
 
 Array = NDArray[np.float64]
-
-# Body sizes a period below which a cycle stays where it is.
-_TRAVELS = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +189,7 @@ class Cycle:
         """Return the angle from where phase 0 travels to a direction; 0 without travel."""
         ahead, aside = (self.up + 1) % 3, (self.up + 2) % 3
         speed = self.velocity.constant
-        if np.hypot(speed[ahead], speed[aside]) < _TRAVELS * self.skeleton.size:
+        if np.hypot(speed[ahead], speed[aside]) < CYCLE.travels * self.skeleton.size:
             return 0.0
         return direction - float(np.arctan2(speed[aside], speed[ahead]))
 

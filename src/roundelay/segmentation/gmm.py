@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.errors import TooShort
+from roundelay.base.numeric import ROUNDING, SMALLEST
 from roundelay.segmentation.moments import principal_axes
 from roundelay.segmentation.pca import intrinsic_dimension
+from roundelay.segmentation.thresholds import GMM
 
 __all__ = ["GMMOptions", "Mixture", "fit_mixture", "gmm_labels"]
 
 Array = NDArray[np.float64]
-
-_FLOOR = 1e-6
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Mixture:
             root = np.linalg.cholesky(covariance)
             white = np.linalg.solve(root, (values - mean).T)
             scale = np.log(2.0 * np.pi) * len(mean) + 2.0 * np.log(np.diagonal(root)).sum()
-            columns.append(np.log(weight + 1e-300) - 0.5 * (scale + np.sum(white**2, axis=0)))
+            columns.append(np.log(weight + SMALLEST) - 0.5 * (scale + np.sum(white**2, axis=0)))
         return np.stack(columns, axis=1)
 
 
@@ -126,7 +126,7 @@ def gmm_labels(
     if len(values) < least:
         raise TooShort(f"expected at least {least} frames, found {len(values)}")
     variances, axes = principal_axes(values)
-    if variances[0] <= 1e-20:
+    if variances[0] <= GMM.still:
         return np.zeros(len(values), dtype=np.intp), np.ones(len(values))
     kept = axes[:, : intrinsic_dimension(variances, options.energy)]
     points = (values - values.mean(axis=0)) @ kept
@@ -157,7 +157,7 @@ def _fit_once(values: Array, options: GMMOptions, rng: np.random.Generator) -> M
         shares, likelihood = _responsibilities(mixture.log_densities(values))
         gained = likelihood - mixture.likelihood
         mixture = _maximised(values, shares, likelihood)
-        if gained < 1e-6:
+        if gained < GMM.gain:
             break
     return mixture
 
@@ -181,7 +181,7 @@ def _responsibilities(densities: Array) -> tuple[Array, float]:
 
 
 def _maximised(values: Array, shares: Array, likelihood: float) -> Mixture:
-    mass = shares.sum(axis=0) + 1e-9
+    mass = shares.sum(axis=0) + ROUNDING
     means = (shares.T @ values) / mass[:, None]
     covariances = []
     for share, weight, mean in zip(shares.T, mass, means, strict=True):
@@ -193,4 +193,4 @@ def _maximised(values: Array, shares: Array, likelihood: float) -> Mixture:
 
 def _floor(covariance: Array) -> Array:
     square = np.atleast_2d(covariance)
-    return (_FLOOR * np.trace(square) / len(square) + 1e-300) * np.eye(len(square))
+    return (GMM.floor * np.trace(square) / len(square) + SMALLEST) * np.eye(len(square))

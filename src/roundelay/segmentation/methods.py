@@ -24,6 +24,7 @@ from roundelay.segmentation.model import GaussianModel
 from roundelay.segmentation.pca import OnlinePCA, PCAOptions
 from roundelay.segmentation.ppca import PPCAOptions, ppca_cuts
 from roundelay.segmentation.result import Curve, Segment, Segmentation
+from roundelay.segmentation.thresholds import MODEL
 
 __all__ = ["Method", "segment", "segment_channels"]
 
@@ -31,8 +32,6 @@ Array = NDArray[np.float64]
 Method = Literal["gaussian", "pca", "ppca", "gmm", "ppca-paper", "gmm-paper"]
 Options = GaussianOptions | PCAOptions | PPCAOptions | GMMOptions
 
-# Differences between poses below this many radians do not make behaviours.
-_RESOLUTION = 0.15
 _DEFAULTS: dict[str, Options] = {
     "gaussian": GaussianOptions(),
     "pca": PCAOptions(),
@@ -89,7 +88,7 @@ def segment(
         values[0] = values[1]
     options = _options(method, sensitivity, n_segments)
     # A quaternion moves half as far as its rotation turns.
-    model = GaussianModel(2.0 * values, motion.fps, _resolution(options) or _RESOLUTION)
+    model = GaussianModel(2.0 * values, motion.fps, _resolution(options) or MODEL.resolution)
     return replace(_segment(values, motion.fps, options, model, rng), source=motion.name)
 
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.numeric import TINY
+from roundelay.segmentation.thresholds import PCA
+
 __all__ = ["OnlinePCA", "PCAOptions", "intrinsic_dimension"]
 
 Array = NDArray[np.float64]
-
-# A frame within this distance of the span of the earlier ones adds no dimension to it.
-_SPAN = 1e-7
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class OnlinePCA:
         if self._seen <= self._start:
             return False
         self.growth.append((self._frame, derivative, derivative - excess + needed))
-        least = max(float(needed), 1e-12 * self._scale)
+        least = max(float(needed), TINY * self._scale)
         if excess > least:
             self.strengths.append(excess / least)
         return excess > least
@@ -157,7 +157,7 @@ class OnlinePCA:
         point = self._basis @ offset
         rest = offset - point @ self._basis
         length = float(np.sqrt(rest @ rest))
-        if length <= _SPAN * self._scale or len(self._basis) == len(frame):
+        if length <= PCA.span * self._scale or len(self._basis) == len(frame):
             return point
         rest -= (self._basis @ rest) @ self._basis
         self._basis = np.vstack([self._basis, rest / np.linalg.norm(rest)])

@@ -20,14 +20,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
+from roundelay.base.numeric import SMALLEST
 from roundelay.segmentation.pca import intrinsic_dimension
+from roundelay.segmentation.thresholds import PPCA
 
 __all__ = ["OnlinePPCA", "PPCAModel", "PPCAOptions", "ppca_cuts"]
 
 Array = NDArray[np.float64]
-
-# Share of the rise that H must come down for its peak to be over.
-_DESCENT = 0.1
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ class PPCAOptions:
     @classmethod
     def paper(cls) -> PPCAOptions:
         """Return the parameters of [B] 3.2."""
-        return cls(rule="difference", threshold=15.0, middle=False)
+        return cls(rule="difference", threshold=PPCA.rise, middle=False)
 
     def frames(self, fps: float) -> tuple[int, int]:
         """Return T and Delta in frames; T is a multiple of Delta."""
@@ -111,7 +110,7 @@ class PPCAModel:
         squares, axes = np.maximum(squares[::-1], 0.0), axes[:, ::-1]
         rank = intrinsic_dimension(squares, energy)
         # Eq. 7 averages over all discarded values, structural zeros too: keep it above rounding.
-        floor = 1e-10 * squares.sum() + 1e-15 * np.trace(products) + 1e-300
+        floor = PPCA.floor * squares.sum() + PPCA.rounding * np.trace(products) + SMALLEST
         discarded = squares[rank:].mean() if rank < len(squares) else 0.0
         spread = np.append(squares[:rank], np.full(len(squares) - rank, discarded))
         return cls(mean, np.maximum(spread, floor) / max(count - 1, 1), axes, rank)
@@ -200,7 +199,7 @@ class OnlinePPCA:
         if distance > self._peak:
             self._peak, self._peak_blocks = distance, self._model_blocks
         rise = self.options.rise(self._valley, self._peak) if self._descended else 0.0
-        if rise >= 1.0 and self._peak - distance > _DESCENT * (self._peak - self._valley):
+        if rise >= 1.0 and self._peak - distance > PPCA.descent * (self._peak - self._valley):
             self._cut(rise)
         elif not self._descended or (rise < 1.0 and distance < self._valley):
             self._valley, self._peak = distance, distance

@@ -13,14 +13,11 @@ from roundelay.motion.features import MotionPoses
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses, leading_rest_pose, point_indices, points_of
 from roundelay.timeline.options import Options
+from roundelay.timeline.thresholds import SEARCH
 
 __all__ = ["Search"]
 
 Array = NDArray[np.float64]
-
-_FEWEST = 8  # frames
-# Body sizes below which nothing moves, but for rounding.
-_STILL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,12 +72,12 @@ class Search:
         """
         poses, joints = _poses(take, options)
         frames = len(poses.values)
-        if frames < _FEWEST:
-            raise TooShort(f"a period needs at least {_FEWEST} frames, found {frames}")
+        if frames < SEARCH.fewest:
+            raise TooShort(f"a period needs at least {SEARCH.fewest} frames, found {frames}")
         chosen = None if joints is None else point_indices(poses, joints)
         points = points_of(poses, chosen)
         span = _span(points, options.frames)
-        if np.ptp(points[slice(*span)], axis=0).max() < _STILL:
+        if np.ptp(points[slice(*span)], axis=0).max() < SEARCH.still:
             raise NoPeriod("no periodic motion found: no joint moves against the root")
         whole = None if chosen is not None else poses
         return cls(points, poses.fps, span, _step(poses.fps, span), options, whole)
@@ -119,12 +116,13 @@ def _span(points: Array, frames: Span | None) -> Span:
     start, stop = frames
     if not 0 <= start < stop <= len(points):
         raise ValueError(f"expected frames within 0 and {len(points)}, found {start} to {stop}")
-    if stop - start < _FEWEST:
-        raise TooShort(f"a period needs at least {_FEWEST} frames, found {stop - start}")
+    if stop - start < SEARCH.fewest:
+        raise TooShort(f"a period needs at least {SEARCH.fewest} frames, found {stop - start}")
     return start, stop
 
 
 def _step(fps: float, span: Span) -> int:
     """Thin to some 60 frames a second, long captures to 30."""
-    target = 60.0 if (span[1] - span[0]) / fps < 15.0 else 30.0
+    short = (span[1] - span[0]) / fps < SEARCH.long
+    target = SEARCH.rate if short else SEARCH.long_rate
     return max(1, round(fps / target))

@@ -88,7 +88,7 @@ def _accepted(
     except NoPeriod as refusal:
         return [], [refusal]
     for number, proposal in enumerate(proposals):
-        report(progress, 0.1 + 0.4 * number / len(proposals), "computing barcodes")
+        report(progress, (1 + 4 * number / len(proposals)) / 10, "computing barcodes")
         if proposal.fresh and np.mean(taken[proposal.runs.frames]) > 1.0 - proposal.fresh:
             continue
         accepted, reasons = _together_or_apart(search, proposal)

@@ -16,18 +16,11 @@ from roundelay.topology.landmarks import Landmarks, extend_phase
 from roundelay.topology.lift import Lift, lift_to_integers
 from roundelay.topology.rips import Barcode
 from roundelay.topology.significance import turns
+from roundelay.topology.thresholds import COORDINATE
 
 __all__ = ["CircularCoordinate", "Smoothing", "Weights", "circular_coordinate", "turns"]
 
 Weights = Literal["density", "uniform"]
-
-DEFAULT_LIFE = 0.7
-LARGEST_STEP = 0.45
-TOLERANCE = 1e-9
-SCOUTING_TOLERANCE = 1e-3
-SHARES = (0.95, 0.15, 8)
-SCOUTS = 256
-SLACK = 0.1
 
 
 @dataclass(frozen=True)
@@ -162,7 +155,7 @@ def circular_coordinate(
         raise ValueError(
             f"expected a scale in [{problem.birth:g}, {problem.death:g}), found {scale:g}"
         )
-    w, largest = problem.smooth(scale, np.zeros(barcode.n_points), TOLERANCE)
+    w, largest = problem.smooth(scale, np.zeros(barcode.n_points), COORDINATE.tolerance)
     return problem.coordinate(w, largest, scale, ((k, 1),), landmarks)
 
 
@@ -258,25 +251,26 @@ class Smoothing:
 def _choose_scale(problem: Smoothing, runs: Runs | None, landmarks: Landmarks | None) -> float:
     """Return the scale by the motion along time if there is one, else .7 of the life."""
     life = problem.death - problem.birth
-    default = problem.birth + DEFAULT_LIFE * life
+    default = problem.birth + COORDINATE.life * life
     if runs is None:
         return default
     if landmarks is not None:
         runs = [tuple(np.searchsorted(landmarks.indices, run).tolist()) for run in runs]
-    scores = _scores(problem, problem.birth + life * np.linspace(*SHARES), runs)
-    good = [scale for scale in scores if scores[scale] >= max(scores.values()) - SLACK]
+    shares = np.linspace(COORDINATE.highest, COORDINATE.lowest, COORDINATE.scales)
+    scores = _scores(problem, problem.birth + life * shares, runs)
+    good = [scale for scale in scores if scores[scale] >= max(scores.values()) - COORDINATE.slack]
     return min(good, key=lambda scale: abs(scale - default), default=default)
 
 
 def _scores(problem: Smoothing, scales: F64, runs: Runs) -> dict[float, float]:
     """Net turns minus twice the backward motion at each sound scale, on some of the frames."""
-    stride = -(-problem.barcode.n_points // SCOUTS)
+    stride = -(-problem.barcode.n_points // COORDINATE.scouts)
     thinned = problem.thinned(stride)
     fewer = [(-(-start // stride), -(-stop // stride)) for start, stop in runs]
     w, scores = np.zeros(problem.barcode.n_points), {}
     for scale in scales.tolist():
-        w, largest = thinned.smooth(scale, w, SCOUTING_TOLERANCE)
+        w, largest = thinned.smooth(scale, w, COORDINATE.scouting)
         net, total = turns(w[::stride], fewer)
-        if largest <= LARGEST_STEP and (problem.barcode.components <= scale).all():
+        if largest <= COORDINATE.largest_step and (problem.barcode.components <= scale).all():
             scores[scale] = 2 * abs(net) - total
     return scores

@@ -9,12 +9,9 @@ import numpy as np
 from roundelay.topology.distances import Runs
 from roundelay.topology.kernel.reduction import F64
 from roundelay.topology.rips import Barcode
+from roundelay.topology.thresholds import SIGNIFICANCE
 
 __all__ = ["Periodicity", "count_classes", "p_values", "periodicity", "turns", "two_bar_ratio"]
-
-FEWEST_TURNS = 1.5
-LEAST_FORWARD = 0.8
-STEPS_A_TURN = 12
 
 
 @dataclass(frozen=True)
@@ -72,7 +69,7 @@ def p_values(barcode: Barcode) -> F64:
     return np.asarray(np.minimum(single * len(barcode), 1.0), np.float64)
 
 
-def count_classes(barcode: Barcode, *, level: float = 0.05) -> int:
+def count_classes(barcode: Barcode, *, level: float | None = None) -> int:
     """Count the longest bars that are significant: the number of classes to look at.
 
     [A] 4.2 leaves this number to the eye.
@@ -81,15 +78,15 @@ def count_classes(barcode: Barcode, *, level: float = 0.05) -> int:
     ----------
     barcode : Barcode
         All bars.
-    level : float
-        Largest corrected p-value of a significant bar.
+    level : float, optional
+        Largest corrected p-value of a significant bar; .05 by default.
 
     Returns
     -------
     int
         How many bars, longest first, before the first that is not significant.
     """
-    passed = p_values(barcode) <= level
+    passed = p_values(barcode) <= (SIGNIFICANCE.level if level is None else level)
     return int(np.logical_and.accumulate(passed).sum())
 
 
@@ -141,11 +138,12 @@ def periodicity(phase: F64, runs: Runs) -> Periodicity:
         Net and total turns and the verdict.
     """
     net, total = turns(phase, runs)
-    if abs(net) >= FEWEST_TURNS:
+    if abs(net) >= SIGNIFICANCE.turns:
         frames = sum(stop - start for start, stop in runs)
-        total = _coarse_variation(phase, runs, max(1, int(frames / (STEPS_A_TURN * abs(net)))))
-    forward = abs(net) >= LEAST_FORWARD * total
-    return Periodicity(net, total, bool(forward and abs(net) >= FEWEST_TURNS))
+        lag = max(1, int(frames / (SIGNIFICANCE.steps * abs(net))))
+        total = _coarse_variation(phase, runs, lag)
+    forward = abs(net) >= SIGNIFICANCE.forward * total
+    return Periodicity(net, total, bool(forward and abs(net) >= SIGNIFICANCE.turns))
 
 
 def _coarse_variation(phase: F64, runs: Runs, lag: int) -> float:

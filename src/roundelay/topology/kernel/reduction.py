@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import GOLDEN
+
 __all__ = [
     "F32",
     "F64",
@@ -121,7 +123,7 @@ def bit_labels(n: int) -> U16:
 
     Steps of the golden section; the first vertices by number are spread evenly over time.
     """
-    turns = np.arange(n) * ((np.sqrt(5.0) - 1.0) / 2.0) % 1.0
+    turns = np.arange(n) * GOLDEN % 1.0
     label = np.empty(n, np.uint16)
     label[np.argsort(turns, kind="stable")] = np.arange(n, dtype=np.uint16)
     return label

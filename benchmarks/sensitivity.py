@@ -1,6 +1,6 @@
 """Sensitivity: what changes if a constant that decides a result is a fifth smaller or larger.
 
-Usage: python -m benchmarks.sensitivity --data FOLDER [--json] [--only NAME ...] [--captures 24]
+Usage: python -m benchmarks.sensitivity --data FOLDER [--json] [--only NAME ...] [--captures 20]
        [--jobs 2] [--keep]
 
 Every constant of `roundelay.base.thresholds.constants` is multiplied by .8 and by 1.2, one at a
@@ -40,15 +40,18 @@ from roundelay.base.thresholds import Constant, Value, constants, overridden
 from roundelay.compare.spectra import Spectra
 from roundelay.cycles.edit.align import align
 from roundelay.cycles.edit.separate import repaired, source_parts
+from roundelay.geometry.kinematics import vertical_axis
 from roundelay.library.groups import grouped
 from roundelay.library.store import Shelf
 from roundelay.loops.profiles import foot_contacts
 from roundelay.motion.features import point_cloud
+from roundelay.segmentation import segment_channels
 from roundelay.segmentation.gmm import GMMOptions
 from roundelay.segmentation.ppca import PPCAOptions
 from roundelay.timeline.options import Options
-from roundelay.topology import persistent_cohomology, toroidal
+from roundelay.topology import persistent_cohomology
 from roundelay.topology.significance import count_classes, periodicity
+from roundelay.topology.toroidal import toroidal_coordinates
 
 RESULTS = Path(__file__).parent / "results" / "sensitivity.json"
 FACTORS = {"x0.8": 0.8, "x1.2": 1.2}
@@ -91,7 +94,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/, truth/")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--only", nargs="+", default=[""], help="names, or how they begin")
-    parser.add_argument("--captures", type=int, default=24, help="how many are drawn")
+    parser.add_argument("--captures", type=int, default=20, help="how many are drawn")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--keep", action="store_true", help="put the result into the tree")
     arguments = parser.parse_args()
@@ -216,22 +219,22 @@ def _baseline(probe: Callable[[], Iterable[Outcome]]) -> list[Outcome]:
 def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
     """Return what shows the influence of a constant."""
     room, record, _ = one.name.split(".")
-    if room == "compare":
-        return _library
-    return {
+    rooms = {"compare": _library, "segmentation": _gaussian, "geometry": _loops, "loops": _loops}
+    records = {
         "segmentation.pca": _pca,
         "segmentation.ppca": _ppca,
         "segmentation.gmm": _gmm,
-        "segmentation.scoring": _gaussian,
-        "segmentation.model": _gaussian,
-        "segmentation.gaussian": _gaussian,
+        "geometry.upright": _upright,
+        "cycles.footlock": _loops,
+        "cycles.repair": _loops,
         "cycles.centroid": _centroids,
         "phase.mixture": _centroids,
         "cycles.weighted": _weighted,
         "cycles.alignment": _aligned,
         "topology.significance": _classes,
         "topology.lattice": _classes,
-    }.get(f"{room}.{record}", _loops)
+    }
+    return records.get(f"{room}.{record}") or rooms.get(room) or _found
 
 
 def _guarded(work: Callable[[], Outcome]) -> Outcome:
@@ -243,41 +246,59 @@ def _guarded(work: Callable[[], Outcome]) -> Outcome:
         return Outcome(failed=type(error).__name__)
 
 
-def _loops() -> Iterator[Outcome]:
-    return (_guarded(lambda m=motion: _looped(m, Options())) for motion in _MOTIONS)
+def _found() -> Iterator[Outcome]:
+    return (_guarded(lambda m=motion: _cycle_of(m, Options())) for motion in _MOTIONS)
 
 
 def _centroids() -> Iterator[Outcome]:
     options = Options(method="centroid")
-    return (_guarded(lambda m=motion: _looped(m, options)) for motion in _MOTIONS)
+    return (_guarded(lambda m=motion: _cycle_of(m, options)) for motion in _MOTIONS)
 
 
 def _weighted() -> Iterator[Outcome]:
     options = Options(method="paper")
-    return (_guarded(lambda m=motion: _looped(m, options)) for motion in _MOTIONS)
+    return (_guarded(lambda m=motion: _cycle_of(m, options)) for motion in _MOTIONS)
 
 
-def _looped(motion: rl.Motion, options: Options) -> Outcome:
-    """Find, repair and measure, as a loop is made."""
+def _cycle_of(motion: rl.Motion, options: Options) -> Outcome:
     cycles = rl.find_cycles(motion, options)
+    first = cycles[0]
+    pace = float(np.linalg.norm(first.pose(np.arange(32) / 32, derivative=1)))
+    travel = float(np.linalg.norm(first.travel)) / motion.skeleton.size
+    figures = (first.evidence.confidence, first.evidence.repetitions, pace, travel)
+    return Outcome(len(cycles), first.period, figures)
+
+
+def _loops() -> Iterator[Outcome]:
+    """Loops take longer: of every second capture."""
+    return (_guarded(lambda m=motion: _looped(m)) for motion in _MOTIONS[::2])
+
+
+def _looped(motion: rl.Motion) -> Outcome:
+    """Find, repair and measure, as a loop is made."""
+    cycles = rl.find_cycles(motion)
     first = cycles[0]
     mended, turns = repaired(first, source_parts(first, motion))
     measured = rl.quality(mended, motion)
     stands = foot_contacts(mended, motion.fps)
-    stood = [sum(stop - start for start, stop in spans) for spans in stands.values()]
+    stood = sum(stop - start for spans in stands.values() for start, stop in spans)
     figures = (
-        first.evidence.confidence,
-        first.evidence.repetitions,
         measured.template_error,
         measured.loop_jerk,
         measured.loop_skate,
         measured.capture_velocity,
         measured.coverage,
-        sum(stood) / (first.period * motion.fps),
+        stood / (first.period * motion.fps),
+        float(len(stands)),
         float(len(turns)),
         *sorted(one.angle for one in turns),
     )
     return Outcome(len(cycles), first.period, figures)
+
+
+def _upright() -> Iterator[Outcome]:
+    for motion in _MOTIONS:
+        yield Outcome(1 + vertical_axis(motion.positions(), motion.skeleton.size))
 
 
 def _cycles() -> list[rl.Cycle]:
@@ -326,7 +347,7 @@ def _topology(motion: rl.Motion) -> Outcome:
     points = point_cloud(motion)[:: max(1, len(motion) // 300)]
     barcode = persistent_cohomology(points)
     try:
-        pair = toroidal.toroidal_coordinates(barcode)
+        pair = toroidal_coordinates(barcode)
     except ValueError:
         # There are no two that live together.
         pair = ()
@@ -348,12 +369,13 @@ def _gaussian() -> Iterator[Outcome]:
         yield _cut(rl.segment(motion))
         yield _cut(rl.segment(motion, n_segments=5))
     for capture in channels:
-        yield _cut(rl.segmentation.segment_channels(capture.values, capture.fps))
+        yield _cut(segment_channels(capture.values, capture.fps))
 
 
 def _with(method: Any) -> Iterator[Outcome]:
-    for capture in _labelled()[0]:
-        found = rl.segmentation.segment_channels(capture.values, capture.fps, method=method)
+    """The methods of [B] take longer: three captures."""
+    for capture in _labelled()[0][1:4]:
+        found = segment_channels(capture.values, capture.fps, method=method)
         yield _cut(found)
 
 

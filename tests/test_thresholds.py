@@ -150,11 +150,11 @@ def test_every_constant_has_a_measured_margin():
 def test_a_record_cannot_be_changed_but_for_a_while():
     one = next(one for one in constants() if one.name == "timeline.recurrence.returned")
     with pytest.raises(FrozenInstanceError):
-        one.record.returned = 0.3  # type: ignore[attr-defined]
+        one.record.returned = 0.3
     points = point_cloud(synth.gait("walk").motion)[::2]
     assert candidate_parts(points, 60.0)
     with overridden(one, 0.0):
         assert candidate_parts(points, 60.0) == []
     with suppress(KeyError), overridden(one, 0.0):
         raise KeyError
-    assert one.record.returned == one.value  # type: ignore[attr-defined]
+    assert one.record.returned == one.value

@@ -60,6 +60,7 @@ class Constant:
         return self.name.rpartition(".")[2]
 
 
+@dataclass(frozen=True)
 class Thresholds:
     """Base of the frozen records; every field is declared by `constant`."""
 
@@ -85,7 +86,7 @@ def constants() -> list[Constant]:
 def _of_module(room: str, names: dict[str, Any]) -> Iterator[Constant]:
     for name, record in names.items():
         if isinstance(record, Thresholds):
-            for one in fields(record):  # type: ignore[arg-type]
+            for one in fields(record):
                 path = f"{room}.{name.lower()}.{one.name}"
                 yield Constant(path, getattr(record, one.name), record=record, **one.metadata)
 

@@ -24,16 +24,8 @@ _BY_EYE = "chosen by eye in the first version"
 class _Search(Thresholds):
     """How closely a take is looked at."""
 
-    fewest: int = constant(
-        8,
-        unit="frames",
-        origin=_BY_EYE,
-    )
-    still: float = constant(
-        1e-9,
-        unit="body sizes",
-        origin="rounding of positions",
-    )
+    fewest: int = constant(8, unit="frames", origin=_BY_EYE)
+    still: float = constant(1e-9, unit="body sizes", origin="rounding of positions")
     rate: float = constant(
         60.0, unit="frames a second", origin="against .3 s cycles, for speed; " + _BY_EYE
     )

@@ -1,6 +1,6 @@
 """Sensitivity: what changes if a constant that decides a result is a fifth smaller or larger.
 
-Usage: python -m benchmarks.sensitivity --data FOLDER [--json] [--only NAME ...] [--captures 20]
+Usage: python -m benchmarks.sensitivity --data FOLDER [--json] [--only NAME ...] [--captures 40]
        [--jobs 2] [--keep]
 
 Every constant of `roundelay.base.thresholds.constants` is multiplied by .8 and by 1.2, one at a
@@ -9,7 +9,8 @@ the way to it (a percentile to 100). Told is how many captures change in what th
 or none), in the number of cycles or segments, in the period (by more than 1 %), in another figure
 (by more than 1 %; a cut by more than .25 s). Half of the captures are drawn evenly from the walks
 and runs of [C], half from those in FOLDER/truth; constants of segmentation are tried on the
-captures with labels, those of comparing cycles on the cycles of all captures, as a library.
+captures with labels, those of comparing cycles on the cycles of all captures, as a library, those
+of bodies and loops on the loops of every second capture.
 `--only` takes names and beginnings of names, `--keep` puts each result, as soon as it is there,
 into benchmarks/results/sensitivity.json.
 """
@@ -94,7 +95,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True, help="folder that holds cmu/, truth/")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--only", nargs="+", default=[""], help="names, or how they begin")
-    parser.add_argument("--captures", type=int, default=20, help="how many are drawn")
+    parser.add_argument("--captures", type=int, default=40, help="how many are drawn")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--keep", action="store_true", help="put the result into the tree")
     arguments = parser.parse_args()

@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from roundelay.cycles.edit.blend import CycleSpace, blend, transition
     from roundelay.formats import read, write
     from roundelay.geometry.skeleton import Skeleton
-    from roundelay.library import Library, LoopOptions, Match, build_library
+    from roundelay.library import Library, Match, build_library
+    from roundelay.loops.options import LoopOptions
     from roundelay.loops.quality import Quality, quality
     from roundelay.motion.features import point_cloud
     from roundelay.motion.motion import Motion, concatenate
@@ -57,7 +58,8 @@ _HOMES = {
     ),
     "timeline.proposals.excitation": ("excitations",),
     "formats": ("read", "write"),
-    "library": ("Library", "LoopOptions", "Match", "build_library"),
+    "library": ("Library", "Match", "build_library"),
+    "loops.options": ("LoopOptions",),
     "motion.motion": ("Motion", "concatenate"),
     "timeline.evidence": ("Evidence",),
     "pipeline": ("find_cycles", "find_periodic", "make_cycle", "with_periods"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from typing import Annotated, Any, NoReturn
 
@@ -20,7 +19,7 @@ from roundelay.commands.search import search
 from roundelay.commands.segment import segment
 from roundelay.commands.view import view
 
-__all__ = ["main"]
+__all__ = ["app"]
 
 # What a wrong command line raises: Typer has no public name for it.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
@@ -86,12 +85,3 @@ def _options(
     ] = False,
 ) -> None:
     pass
-
-
-def main() -> None:
-    """Run the command line."""
-    # The matrices here are small: threads of the linear algebra would only get in each
-    # other's way. Set before numpy is loaded, unless the user has.
-    for threads in ("OPENBLAS", "MKL", "OMP"):
-        os.environ.setdefault(f"{threads}_NUM_THREADS", "1")
-    app()

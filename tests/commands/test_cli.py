@@ -102,9 +102,15 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
         (["loop", "{walk}", "--frames", "0:9999"], "frames within"),
         (["loop", "{walk}", "--joints", "Tail"], "no joint 'Tail'"),
         (["loop", "{walk}", "--prime", "48"], "prime"),
-        (["loop", "{walk}", "--fps", "-1"], "positive frame rate"),
-        (["loop", "{walk}", "--format", "fbx"], "expected a format among"),
-        (["loop", "{walk}", "--fps", "1e9"], "positive frame rate"),
+        (
+            ["loop", "{walk}", "--fps", "-1"],
+            "expected fps as a number, more than 0 and at most 10000",
+        ),
+        (
+            ["loop", "{walk}", "--format", "fbx"],
+            "expected format as one of 'bvh', 'amc', 'glb', 'gltf'",
+        ),
+        (["loop", "{walk}", "--fps", "1e9"], "in frames a second, or None, found 1000000000.0"),
         (["loop", "{walk}", "--delay", "-1"], "expected delay as a number, at least 0, in seconds"),
         (["loop", "{walk}", "--dimensions", "0"], "expected dimensions as a whole number"),
         (["loop", "{walk}", "--dimensions", "2.5"], "number of dimensions"),
@@ -119,9 +125,9 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
         (["loop", "{out}"], "file of type"),
         (["view", "{walk}", "-o", "{out}"], "{out}: expected a file, found a folder"),
         (["search", "{walk}", "{out}"], "no library.json in it"),
-        (["blend", "{walk}", "{walk}", "-o", "{out}/b.bvh", "--weights", "1"], "2 numbers"),
+        (["blend", "{walk}", "{walk}", "-o", "{out}/b.bvh", "--shares", "1"], "2 numbers"),
         (["convert", "{walk}", "{out}/walk.fbx"], "file of type"),
-        (["convert", "{walk}", "{out}/walk.bvh", "--scale", "0"], "positive scale"),
+        (["convert", "{walk}", "{out}/walk.bvh", "--resize", "0"], "expected resize as a number"),
         (["convert", "{walk}", "{out}/walk.bvh", "--frames", "9:3"], "frames within"),
     ],
 )
@@ -159,7 +165,7 @@ def test_convert_there_and_back(walk, tmp_path):
 
 def test_convert_resamples_crops_and_scales(walk, tmp_path):
     target = tmp_path / "small.bvh"
-    arguments = ["--fps", "30", "--frames", "10:250", "--scale", "0.01"]
+    arguments = ["--fps", "30", "--frames", "10:250", "--resize", "0.01"]
     result = runner.invoke(app, ["convert", str(walk), str(target), *arguments])
     assert result.exit_code == 0, result.output
     small = rl.read(target)

@@ -23,11 +23,11 @@ __all__ = [
     "NO_PERIOD",
     "Capture",
     "Directory",
-    "Frames",
+    "File",
     "Json",
+    "Picture",
     "Skeleton",
     "fail",
-    "frame_range",
     "one_line_errors",
     "output_directory",
     "print_capture",
@@ -48,15 +48,12 @@ Skeleton = Annotated[
 Directory = Annotated[
     Path, typer.Option("-o", "--output", help="Folder for the results; made if need be.")
 ]
-Frames = Annotated[
-    str | None,
-    typer.Option(
-        help="Look at frames START:STOP only (from 0, STOP left out).",
-        metavar="START:STOP",
-        show_default=False,
-    ),
+File = Annotated[
+    Path,
+    typer.Option("-o", "--file", help="File to write: BVH, AMC, GLB or GLTF.", show_default=False),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the results as JSON.")]
+Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
 
 
 def fail(message: str, code: int = BAD_INPUT) -> NoReturn:
@@ -102,28 +99,6 @@ def read_capture(path: Path, skeleton: Path | None) -> Motion:
     from roundelay.formats import read
 
     return read(path, skeleton=skeleton)
-
-
-def frame_range(text: str | None, frames: int) -> tuple[int, int] | None:
-    """Read START:STOP; either may be left out.
-
-    Raises
-    ------
-    ValueError
-        If the text is not of this form, or the frames are not all there.
-    """
-    if text is None:
-        return None
-    start, colon, stop = text.partition(":")
-    try:
-        if not colon:
-            raise ValueError
-        first, last = int(start or 0), int(stop or frames)
-    except ValueError:
-        raise ValueError(f"expected frames as START:STOP, found {text!r}") from None
-    if not 0 <= first < last <= frames:
-        raise ValueError(f"expected frames within 0 and {frames}, found {first} to {last}")
-    return first, last
 
 
 def output_directory(path: Path) -> Path:

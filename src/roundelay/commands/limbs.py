@@ -1,18 +1,10 @@
-"""Limbs that pass through each other: the switch that parts them, and what is said of them."""
+"""Limbs that pass through each other: what is said of them."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
 import typer
-
-Repair = Annotated[
-    bool,
-    typer.Option(
-        "--repair/--no-repair",
-        help="Part limbs that pass through each other more than they do in the capture.",
-    ),
-]
 
 
 def print_limbs(record: dict[str, Any]) -> None:

@@ -26,6 +26,7 @@ def playback_record(
     periods: int = 1,
     in_place: bool = False,
     repeat_first: bool = False,
+    foot_lock: bool = True,
     mended: Sequence[Mended] = (),
 ) -> dict[str, Any]:
     """Describe a loop as `Cycle.sample` makes it, for the engine that plays it.
@@ -33,7 +34,7 @@ def playback_record(
     Parameters
     ----------
     cycle : Cycle
-    fps, periods, in_place, repeat_first
+    fps, periods, in_place, repeat_first, foot_lock
         As given to `Cycle.sample`.
     mended : sequence of Mended
         What `roundelay.cycles.edit.separate.repaired` changed to make the cycle.
@@ -65,7 +66,7 @@ def playback_record(
         },
         "markers": [{"phase": phase, "frame": frame} for phase, frame in markers],
         "contacts": foot_contacts(cycle, rate),
-    } | limb_record(cycle.sample(rate), mended)
+    } | limb_record(cycle.sample(rate, foot_lock=foot_lock), mended)
 
 
 def limb_record(motion: Motion, mended: Sequence[Mended] = ()) -> dict[str, Any]:

@@ -19,12 +19,12 @@ from roundelay.geometry.symmetry import (
     reflection,
 )
 
-__all__ = ["Motion", "checked_rate", "concatenate"]
+__all__ = ["FASTEST", "Motion", "checked_rate", "concatenate"]
 
 Array = NDArray[np.float64]
 
 # Frames a second; none is shown or filmed faster, and a slip of the keyboard would fill memory.
-_FASTEST = 10_000.0
+FASTEST = 10_000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,8 +305,8 @@ def checked_rate(fps: float) -> float:
     ValueError
         If it is not positive, or beyond 10,000.
     """
-    if not 0.0 < fps <= _FASTEST:
-        raise ValueError(f"expected a positive frame rate up to {_FASTEST:g}, found {fps:g}")
+    if not 0.0 < fps <= FASTEST:
+        raise ValueError(f"expected a positive frame rate up to {FASTEST:g}, found {fps:g}")
     return fps
 
 

@@ -79,7 +79,7 @@ class Search:
             raise TooShort(f"a period needs at least {_FEWEST} frames, found {frames}")
         chosen = None if joints is None else point_indices(poses, joints)
         points = points_of(poses, chosen)
-        span = _span(points, options.frames)
+        span = _span(points, options)
         if np.ptp(points[slice(*span)], axis=0).max() < _STILL:
             raise NoPeriod("no periodic motion found: no joint moves against the root")
         whole = None if chosen is not None else poses
@@ -113,15 +113,14 @@ def _poses(take: Motion | Poses, options: Options) -> tuple[Poses, tuple[str, ..
     return MotionPoses(take, options.features, options.weights), joints
 
 
-def _span(points: Array, frames: Span | None) -> Span:
-    if frames is None:
+def _span(points: Array, options: Options) -> Span:
+    chosen = options.span(len(points))
+    if chosen is None:
         return (1 if leading_rest_pose(points) else 0), len(points)
-    start, stop = frames
-    if not 0 <= start < stop <= len(points):
-        raise ValueError(f"expected frames within 0 and {len(points)}, found {start} to {stop}")
+    start, stop = chosen
     if stop - start < _FEWEST:
         raise TooShort(f"a period needs at least {_FEWEST} frames, found {stop - start}")
-    return start, stop
+    return chosen
 
 
 def _step(fps: float, span: Span) -> int:

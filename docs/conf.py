@@ -14,6 +14,7 @@ from docutils.nodes import SkipNode
 import roundelay
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
 ROOT = HERE.parent
 
 project = "roundelay"
@@ -32,7 +33,7 @@ numpydoc_show_class_members = False
 default_role = "py:obj"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
-exclude_patterns = ["_made/benchmarks.md", "_made/tree.md"]
+exclude_patterns = ["_made/benchmarks.md", "_made/options.md", "_made/tree.md"]
 html_theme = "furo"
 html_title = "roundelay"
 html_static_path: list[str] = []
@@ -58,6 +59,7 @@ def setup(app: Any) -> None:
     app.connect("builder-inited", lambda _: _gallery(made))
     app.connect("builder-inited", lambda _: _benchmarks(made))
     app.connect("builder-inited", lambda _: _tree(made))
+    app.connect("builder-inited", lambda _: _options(made))
 
 
 def _plain_bars(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
@@ -125,6 +127,13 @@ def _tree(made: Path) -> None:
         if path.name != "__init__.py" and line:
             rows.append(f"| `{path.relative_to(package)}` | {line.replace('``', '`')} |")
     (made / "tree.md").write_text("\n".join(["| module | |", "|---|---|", *rows, ""]))
+
+
+def _options(made: Path) -> None:
+    """Write the tables of options."""
+    from tables import tables
+
+    (made / "options.md").write_text(tables())
 
 
 def _folders_last(path: Path) -> tuple[str, str]:

@@ -118,7 +118,7 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
         (["loop", "{walk}", "-o", "{walk}"], "{walk}: expected a folder, found a file"),
         (["loop", "{walk}", "--periods", "0"], "'--periods'"),
         (["loop", "{walk}", "--fps", "fast"], "'--fps'"),
-        (["loop", "{walk}", "--bogus"], "--bogus; see "),
+        (["loop", "{walk}", "--zzz"], "--zzz; see "),
         (["loop"], "missing argument"),
         (["polka"], "no such command 'polka'"),
         (["loop", "{readme}"], "file of type"),

@@ -12,7 +12,7 @@ from roundelay.base.options import Declared, choices, leaves
 
 # Digits after the point in a panel.
 _DIGITS = 2
-_PROPERTIES = {bool: BoolProperty, int: IntProperty, float: FloatProperty}
+_PROPERTIES: dict[type, Any] = {bool: BoolProperty, int: IntProperty, float: FloatProperty}
 
 
 def declared(options: type, name: str) -> Declared:
@@ -31,7 +31,8 @@ def shared(options: type, name: str, *, zero: bool = False, **more: Any) -> Any:
     kinds = choices(one.kind)
     make = next(_PROPERTIES[kind] for kind in _PROPERTIES if kind in kinds)
     automatic = NoneType in kinds and not zero
-    limits = {} if make is BoolProperty else _limits(one, automatic, more.get("precision", _DIGITS))
+    digits = more.get("precision", _DIGITS)
+    limits = {} if bool in kinds else _limits(one, automatic, digits)
     default = {} if one.default is None else {"default": one.default}
     text = description(one) + ("; 0 for automatic" if automatic else "")
     return make(name=one.label, description=text, **default, **limits, **more)
@@ -45,7 +46,8 @@ def description(one: Declared) -> str:
 
 def _limits(one: Declared, automatic: bool, digits: int) -> dict[str, Any]:
     """Return the range; where a bound is not a value itself, the next that a panel shows is."""
-    known, limits = one.known, {}
+    limits: dict[str, Any] = {}
+    known = one.known
     step = 1 if int in choices(one.kind) else 10.0**-digits
     if automatic:
         limits["min"] = 0

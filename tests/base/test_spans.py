@@ -28,7 +28,7 @@ def test_spans_are_pairs_to_everybody_else():
     "wrong", [[(5, 3)], [(-1, 2)], [(0, 4), (3, 6)], [(4, 6), (0, 2)], [(1.5, 3)], [7], [(1, 2, 3)]]
 )
 def test_wrong_pairs_are_refused(wrong):
-    with pytest.raises(ValueError, match="expected .* found"):
+    with pytest.raises(ValueError, match=r"expected .* found"):
         Spans(wrong)
 
 

@@ -16,8 +16,7 @@ from roundelay.base.version import __version__
 from roundelay.compare.spectra import Spectra
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.separate import repaired, source_parts
-from roundelay.formats import read, write
-from roundelay.formats.asf import find_skeleton
+from roundelay.formats import checked_format, files_of, read, write
 from roundelay.library.store import Entry
 from roundelay.loops.quality import quality
 from roundelay.motion.motion import Motion, checked_rate
@@ -29,7 +28,6 @@ __all__ = ["LOOPS", "Clip", "LoopOptions", "lost_clip", "made_entry"]
 
 # The folder of a library that holds the loops.
 LOOPS = "loops"
-_FORMATS = ("bvh", "amc", "glb", "gltf")
 # What only the record of `roundelay loop` tells of a cycle: too long for thousands.
 _LEFT_OUT = ("barcode", "turns", "files")
 
@@ -48,7 +46,8 @@ class LoopOptions:
         Append the frame that repeats the first.
     repair : bool
         Part limbs that pass through each other more than they do in the capture.
-    file_format : {"bvh", "amc", "glb", "gltf"}
+    file_format : str
+        "bvh", "amc", "glb", "gltf", or a suffix that a plug-in's writer knows.
 
     Raises
     ------
@@ -65,8 +64,7 @@ class LoopOptions:
     def __post_init__(self) -> None:
         if self.fps is not None:
             checked_rate(self.fps)
-        if self.file_format not in _FORMATS:
-            raise ValueError(f"expected a format among {_FORMATS}, found {self.file_format!r}")
+        checked_format(self.file_format)
 
 
 @dataclass(frozen=True)
@@ -103,9 +101,8 @@ class Clip:
         """Tell which version of the file is used, and how; None if it cannot be reached."""
         files = [self.path]
         try:
-            if self.path.suffix.lower() == ".amc":
-                with suppress(FormatError):
-                    files.append(find_skeleton(self.path))
+            with suppress(FormatError):
+                files = files_of(self.path)
             versions = [[file.stat().st_size, file.stat().st_mtime_ns] for file in files]
         except OSError:
             return None

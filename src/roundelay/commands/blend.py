@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Captures = Annotated[
     list[Path],
-    typer.Argument(metavar="CAPTURE", help="BVH or AMC files, one cycle each.", show_default=False),
+    typer.Argument(metavar="CAPTURE", help="{readers} files, one cycle each.", show_default=False),
 ]
 Weights = Annotated[
     str | None,
@@ -33,15 +33,13 @@ Mirror = Annotated[
 ]
 Output = Annotated[
     Path,
-    typer.Option(
-        "-o", "--output", help="File to write: BVH, AMC, GLB or GLTF.", show_default=False
-    ),
+    typer.Option("-o", "--output", help="File to write: {writers}.", show_default=False),
 ]
 First = Annotated[
-    Path, typer.Argument(metavar="FIRST", help="A BVH or AMC file.", show_default=False)
+    Path, typer.Argument(metavar="FIRST", help="A {readers} file.", show_default=False)
 ]
 Second = Annotated[
-    Path, typer.Argument(metavar="SECOND", help="A BVH or AMC file.", show_default=False)
+    Path, typer.Argument(metavar="SECOND", help="A {readers} file.", show_default=False)
 ]
 
 
@@ -66,7 +64,7 @@ def blend(
         from roundelay.cycles.edit.blend import blend as blend_cycles
         from roundelay.cycles.edit.separate import repaired
         from roundelay.formats import write
-        from roundelay.loops.profiles import playback_record
+        from roundelay.loops.profiles import limb_record
 
         shares = _shares(weights, len(captures))
         cycles, sources = _best_cycles(captures, mirror)
@@ -76,7 +74,7 @@ def blend(
         output_directory(output.parent)
         write(loop, output)
         typer.echo(f"{output}: {len(loop)} frames, period {mixed.period:.2f} s")
-        print_limbs(playback_record(mixed, fps, mended=mended))
+        print_limbs(limb_record(mixed.sample(fps), mended))
 
 
 def transition(

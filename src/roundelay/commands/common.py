@@ -39,7 +39,7 @@ __all__ = [
 BAD_INPUT, NO_PERIOD, INTERRUPTED = 2, 3, 130
 
 Capture = Annotated[
-    Path, typer.Argument(metavar="CAPTURE", help="A BVH or AMC file.", show_default=False)
+    Path, typer.Argument(metavar="CAPTURE", help="A {readers} file.", show_default=False)
 ]
 Skeleton = Annotated[
     Path | None,

@@ -19,9 +19,7 @@ from roundelay.commands.common import (
 
 Target = Annotated[
     Path,
-    typer.Argument(
-        metavar="TARGET", help="The BVH, AMC, GLB or GLTF file to write.", show_default=False
-    ),
+    typer.Argument(metavar="TARGET", help="The {writers} file to write.", show_default=False),
 ]
 Fps = Annotated[float | None, typer.Option(help="Resample to this rate.", show_default=False)]
 Scale = Annotated[float, typer.Option(help="Multiply every length.")]
@@ -35,7 +33,7 @@ def convert(
     fps: Fps = None,
     scale: Scale = 1.0,
 ) -> None:
-    """Convert a capture to BVH, AMC or glTF, resampled, cropped or scaled.
+    """Convert a capture to another format, resampled, cropped or scaled.
 
     An AMC gets its ASF beside it, of the same name.
     """

@@ -31,7 +31,7 @@ Sources = Annotated[
     list[Path],
     typer.Argument(
         metavar="FOLDER|FILE",
-        help="Folders, searched to any depth for BVH and AMC files, or such files.",
+        help="Folders, searched to any depth for {readers} files, or such files.",
         show_default=False,
     ),
 ]

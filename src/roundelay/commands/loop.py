@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from roundelay.base.progress import Progress
     from roundelay.cycles.cycle import Cycle
     from roundelay.cycles.edit.separate import Mended
+    from roundelay.loops.profiles import Profile, Sampling
     from roundelay.motion.motion import Motion
     from roundelay.timeline.options import Options
 
@@ -62,11 +64,12 @@ RepeatFirst = Annotated[
 Segments = Annotated[
     bool, typer.Option("--segments", help="Cut into behaviours first; loops of each by itself.")
 ]
-Format = Annotated[str, typer.Option("--format", help="bvh, amc, glb or gltf.")]
+Format = Annotated[str, typer.Option("--format", help="{formats}.")]
+ProfileName = Annotated[
+    str, typer.Option(help="What the record tells of playing the loop: {profiles}.")
+]
 Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
 Gif = Annotated[bool, typer.Option("--gif", help="Write each loop as a moving picture, too.")]
-
-_FORMATS = ("bvh", "amc", "glb", "gltf")
 
 
 @takes_search
@@ -86,6 +89,7 @@ def loop(
     segments: Segments = False,
     repair: Repair = True,
     file_format: Format = "bvh",
+    profile: ProfileName = "generic",
     picture: Picture = True,
     gif: Gif = False,
     json: Json = False,
@@ -100,10 +104,12 @@ def loop(
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found.
     """
     from roundelay.base.errors import NoPeriod
+    from roundelay.formats import checked_format
+    from roundelay.loops.profiles import Sampling, profiles
 
     with one_line_errors(capture):
-        if file_format not in _FORMATS:
-            raise ValueError(f"expected a format among {_FORMATS}, found {file_format!r}")
+        checked_format(file_format)
+        told = profiles[profile]
         with progress_bar(quiet=json) as progress:
             motion = read_capture(capture, skeleton)
             options = search.resolved(
@@ -119,14 +125,11 @@ def loop(
                 cycles = _cycles(motion, options, segments, progress)
             except NoPeriod as refusal:
                 _refuse(motion, capture, folder, options, refusal, json)
-        sampling = {
-            "fps": fps,
-            "periods": periods,
-            "in_place": in_place,
-            "repeat_first": repeat_first,
-        }
+        sampling = Sampling(fps, periods, in_place, repeat_first)
         loops = [_repaired(motion, cycle) if repair else (cycle, ()) for cycle in cycles]
-        record = _write(motion, capture, folder, options, loops, sampling, file_format, picture)
+        record = _write(
+            motion, capture, folder, options, loops, sampling, file_format, told, picture
+        )
         if gif:
             _animate(record, [cycle for cycle, _ in loops], folder)
         if json:
@@ -179,24 +182,25 @@ def _write(
     folder: Path,
     options: Options,
     loops: list[tuple[Cycle, tuple[Mended, ...]]],
-    sampling: dict[str, Any],
+    sampling: Sampling,
     file_format: str,
+    profile: Profile,
     picture: bool,
 ) -> dict[str, Any]:
     """Write loops, picture and record; return the record."""
     from roundelay.formats import write
-    from roundelay.loops.profiles import playback_record
     from roundelay.loops.quality import quality
     from roundelay.output.records import capture_record, cycle_record, write_json
 
     base = f"{capture.stem}_loop"
-    record = capture_record(motion, capture, options) | {"sampling": sampling, "cycles": []}
+    record = capture_record(motion, capture, options)
+    record |= {"sampling": asdict(sampling), "cycles": []}
     for number, (cycle, mended) in enumerate(loops, 1):
         path = folder / f"{base}{number if number > 1 else ''}.{file_format}"
-        sampled = cycle.sample(**sampling)
+        sampled = cycle.sample(**asdict(sampling))
         write(sampled, path)
         entry = cycle_record(cycle, quality(cycle, motion), [path])
-        playback = playback_record(cycle, **sampling, mended=mended)
+        playback = profile.record(cycle, sampling, mended)
         record["cycles"].append(entry | {"loop_frames": len(sampled), "playback": playback})
     if picture:
         from roundelay.output.figures import overview, save

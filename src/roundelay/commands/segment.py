@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from roundelay.motion.motion import Motion
     from roundelay.segmentation import Segmentation
 
-Method = Annotated[
-    str, typer.Option(help="gaussian, pca, ppca, gmm, ppca-paper or gmm-paper.", metavar="METHOD")
-]
+Method = Annotated[str, typer.Option(help="{methods}.", metavar="METHOD")]
 Sensitivity = Annotated[
     float, typer.Option(help="2 finds finer behaviours, 0.5 coarser ones (gaussian).")
 ]
@@ -69,7 +67,7 @@ def segment(
             motion, folder = read_capture(capture, skeleton), output_directory(output)
             found = cut(
                 motion,
-                method=method,  # type: ignore[arg-type]
+                method=method,
                 sensitivity=sensitivity,
                 n_segments=segments,
                 joints=None if joints is None else joints.split(","),

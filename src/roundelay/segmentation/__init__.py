@@ -4,7 +4,7 @@
 "Segmenting Motion Capture Data into Distinct Behaviors", Graphics Interface 2004.
 """
 
-from roundelay.segmentation.cutting import method_names, segment, segment_channels
+from roundelay.segmentation.cutting import method_names, segment, segment_channels, segmented
 from roundelay.segmentation.features import (
     STANDARD_JOINTS,
     corresponding_joints,
@@ -45,4 +45,5 @@ __all__ = [
     "segment",
     "segment_channels",
     "segmentation_methods",
+    "segmented",
 ]

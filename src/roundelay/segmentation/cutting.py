@@ -20,7 +20,7 @@ from roundelay.segmentation.methods import segmentation_methods
 from roundelay.segmentation.ppca import PPCAOptions
 from roundelay.segmentation.result import Segment, Segmentation
 
-__all__ = ["method_names", "segment", "segment_channels"]
+__all__ = ["method_names", "segment", "segment_channels", "segmented"]
 
 # Differences between poses below this many radians do not make behaviours.
 _RESOLUTION = 0.15
@@ -76,7 +76,7 @@ def segment(
     chosen, options = _chosen(method, sensitivity, n_segments)
     # A quaternion moves half as far as its rotation turns.
     channels = Channels(values, motion.fps, 2.0, _RESOLUTION, rng or np.random.default_rng(0))
-    return replace(_segmentation(channels, chosen, options), source=motion.name)
+    return replace(segmented(channels, chosen, options), source=motion.name)
 
 
 def segment_channels(
@@ -102,7 +102,7 @@ def segment_channels(
         raise ValueError(f"expected a positive frame rate, found {fps}")
     chosen, options = _chosen(method, sensitivity, n_segments)
     channels = Channels(points, fps, rng=rng or np.random.default_rng(0))
-    return _segmentation(channels, chosen, options)
+    return segmented(channels, chosen, options)
 
 
 def method_names() -> tuple[str, ...]:
@@ -141,7 +141,14 @@ def _method_of(options: object) -> SegmentationMethod:
     raise ValueError(f"expected a method's name or options, found {options!r}")
 
 
-def _segmentation(channels: Channels, method: SegmentationMethod, options: Any) -> Segmentation:
+def segmented(channels: Channels, method: SegmentationMethod, options: Any) -> Segmentation:
+    """Cut channels by a method.
+
+    Raises
+    ------
+    TooShort
+        If there is no frame, or fewer than the method looks at.
+    """
     if len(channels.values) == 0:
         raise TooShort("expected at least one frame, found none")
     found = method.find(channels, options)

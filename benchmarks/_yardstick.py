@@ -118,20 +118,16 @@ def _ahead(seen: Array, side: Array, up: int) -> Array:
 
 @dataclass(frozen=True)
 class Measured:
-    """Correlations at half, once and twice a period; NaN where too little was seen.
-
-    `again` is that at once the period, of the frames that are seen twice a period later.
-    """
+    """Correlations at half, once and twice a period; NaN where too little was seen."""
 
     half: float
     once: float
     twice: float
-    again: float
 
     @property
     def passes(self) -> bool:
-        worse = self.half > self.once + NEARLY or self.twice > self.again + NEARLY
-        return bool(self.once >= LEAST) and not worse
+        better = max(self.half, self.twice) if self.twice == self.twice else self.half
+        return self.once >= LEAST and not better > self.once + NEARLY
 
 
 def measured(body: Body, joints: Iterable[str], spans: Spans, period: float) -> Measured:
@@ -160,16 +156,14 @@ def _measured(parts: list[Array], period: float) -> Measured:
     if sum(max(0.0, len(row) - period) for row in rows) < 0.5 * period:
         # Repetitions with something else between: one after the other.
         rows = [np.concatenate(rows)] if rows else []
-    # A lag, and how far on a frame's partners must lie.
-    lags = ((0.5, 1.0), (1.0, 1.0), (2.0, 2.0), (1.0, 2.0))
-    return Measured(*(_correlation(rows, lag * period, far * period, period) for lag, far in lags))
+    return Measured(*(_correlation(rows, many * period, period) for many in (0.5, 1.0, 2.0)))
 
 
-def _correlation(rows: list[Array], lag: float, far: float, period: float) -> float:
-    """Return the correlation of rows with those a lag later, all of them or NaN for too few."""
-    counts = [max(0, int(len(row) - far)) for row in rows]
+def _correlation(rows: list[Array], lag: float, period: float) -> float:
+    """Return the correlation of rows with those a lag later, all of them; NaN for too few."""
+    counts = [max(0, int(len(row) - lag)) for row in rows]
     # Twice a period is told only where it is seen for a whole period.
-    if sum(counts) < (0.95 if far > period else 0.3) * period:
+    if sum(counts) < (0.95 if lag > period else 0.3) * period:
         return float("nan")
     covariance = norm = 0.0
     for row, count in zip(rows, counts, strict=True):
@@ -190,8 +184,8 @@ def _centred(row: Array) -> Array:
     return row - row.mean(axis=0)
 
 
-def ends_meet(body: Body, joints: Iterable[str], span: tuple[int, int]) -> tuple[float, float]:
-    """Return how far poses and velocities at both ends are apart, over their deviations."""
+def ends_apart(body: Body, joints: Iterable[str], span: tuple[int, int]) -> tuple[float, float]:
+    """Return how far poses at both ends are apart over their deviation, and velocities."""
     places = body.places[slice(*span), body.indices(joints)].reshape(span[1] - span[0], -1)
     reach = max(1, round(body.fps / 30))
     if len(places) < 4 * reach or not places.size:
@@ -200,5 +194,6 @@ def ends_meet(body: Body, joints: Iterable[str], span: tuple[int, int]) -> tuple
     first, last = places[reach] - places[0], places[-1] - places[-1 - reach]
     # The loop's own step from its last frame to its first may be whole, or none.
     gap = places[-1] + np.linspace(0.0, 1.0, 5)[:, None] * last / reach - places[0]
-    apart = np.linalg.norm(gap, axis=1).min() / np.sqrt(places.var(axis=0).sum())
-    return float(apart), float(np.linalg.norm(last - first) / np.sqrt((speed**2).sum(1).mean()))
+    moved = max(float(np.sqrt(places.var(axis=0).sum())), 1e-12)
+    usual = max(float(np.sqrt((speed**2).sum(axis=1).mean())), 1e-12)
+    return np.linalg.norm(gap, axis=1).min() / moved, float(np.linalg.norm(last - first)) / usual

@@ -27,7 +27,7 @@ import platform
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -38,7 +38,7 @@ import roundelay as rl
 from benchmarks import _truth_data as data
 from benchmarks._answers import Found, answers
 from benchmarks._truth_data import Capture, Joined, Random, Stretch
-from benchmarks._yardstick import Body, body, ends_meet, measured
+from benchmarks._yardstick import Body, body, ends_apart, measured
 from roundelay.library.workers import spread
 
 SECTIONS = {
@@ -208,6 +208,7 @@ def _measured(tasks: list[Any], folder: Path, least: float, jobs: int) -> list[R
 
 
 def _length(task: Any, folder: Path) -> float:
+    """Estimate how long a take is, in bytes of its file."""
     if isinstance(task, Random):
         return 3000.0 * task.seconds
     return float((folder / task.file).stat().st_size) if isinstance(task, Capture) else 0.0
@@ -248,20 +249,20 @@ def _row(folder: Path, least: float, task: Any) -> Row:
         return Row(_name(task), "", 0.0, 0, error=f"{type(error).__name__}: {error}", task=task)
 
 
-def _plain_row(task: Any, source: str, motion: rl.Motion, **known: Any) -> Row:
+def _plain_row(task: Any, source: str, motion: rl.Motion) -> Row:
     started = time.process_time()
     found = answers(motion)
     seconds = time.process_time() - started
     seen = body(motion) if found and source != "random" else None
     judged = tuple(_judged(seen, each) for each in found)
-    return Row(_name(task), source, seconds, len(motion), judged, task=task, **known)
+    return Row(_name(task), source, seconds, len(motion), judged, task=task)
 
 
 def _judged(seen: Body | None, found: Found) -> Judged:
     if seen is None:
         return Judged(found, np.nan, np.nan, np.nan, False)
     if found.kind == "closed":
-        apart = ends_meet(seen, found.joints, found.spans[0])
+        apart = ends_apart(seen, found.joints, found.spans[0])
         meet = apart[0] <= _POSE_APART and apart[1] <= _SPEED_APART
         return Judged(found, np.nan, np.nan, np.nan, meet, apart)
     how = measured(seen, found.joints, found.spans, found.period)
@@ -272,17 +273,12 @@ def _capture_row(folder: Path, least: float, capture: Capture) -> Row:
     motion = rl.read(folder / capture.file)
     row = _plain_row(capture, capture.source, motion)
     seen, given = body(motion), _given(row, least)
-    return Row(
-        **_fields(row),
+    return replace(
+        row,
         stretches=tuple(_stretch_row(seen, given, each) for each in capture.stretches),
         negatives=tuple(_covered(seen, given, *window) for window in capture.negatives),
         frames_in_two=_frames_in_two([*given, *_passes(row)], len(motion)),
     )
-
-
-def _fields(row: Row) -> dict[str, Any]:
-    names = ("name", "source", "seconds", "frames", "behaviours", "task")
-    return {name: getattr(row, name) for name in names}
 
 
 def _given(row: Row, least: float) -> list[Found]:
@@ -363,7 +359,7 @@ def _joined_row(folder: Path, least: float, joined: Joined) -> Row:
     row = _plain_row(joined, "hdm05", data.joined([motions[file] for file in joined.files]))
     again = _plain_row(joined, "hdm05", data.joined([motions[file] for file in joined.again]))
     counts = _count(_given(row, least)), _count(_given(again, least))
-    return Row(**_fields(row), counts=counts)
+    return replace(row, counts=counts)
 
 
 def _count(given: list[Found]) -> float:
@@ -459,6 +455,7 @@ def _negatives(rows: list[Row]) -> float:
 
 def _counts(rows: list[Row]) -> dict[str, float]:
     joined = [row for row in rows if isinstance(row.task, Joined)]
+    counts = [row.counts for row in joined if row.counts is not None]
 
     def right(wanted: Callable[[str], bool]) -> float:
         return _share(_counted(row) for row in joined if wanted(row.task.label))
@@ -466,7 +463,7 @@ def _counts(rows: list[Row]) -> dict[str, float]:
     return {
         "gestures": right(lambda label: label not in data.UNLIKE),
         "deposit_grab": right(lambda label: label in data.UNLIKE),
-        "same_in_any_order": _share(abs(c[0] - c[1]) <= 0.5 for c in (r.counts for r in joined)),
+        "same_in_any_order": _share(abs(one - other) <= 0.5 for one, other in counts),
         "takes": len(joined),
     }
 
@@ -582,7 +579,7 @@ def _details(rows: list[Row], least: float) -> dict[str, Any]:
         "given": sum(len(_given(row, least)) for row in whole),
         "reliability": _reliability(judged),
         "frames_a_second": round(
-            sum(row.frames for row in whole) / max(sum(row.seconds for row in whole), 1e-9)
+            sum(row.frames for row in rows) / max(sum(row.seconds for row in rows), 1e-9)
         ),
     }
 

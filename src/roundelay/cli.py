@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from typing import Annotated, Any, NoReturn, cast
 
@@ -101,8 +100,4 @@ def _options(
 
 def main() -> None:
     """Run the command line."""
-    # The matrices here are small: threads of the linear algebra would only get in each
-    # other's way. Set before numpy is loaded, unless the user has.
-    for threads in ("OPENBLAS", "MKL", "OMP"):
-        os.environ.setdefault(f"{threads}_NUM_THREADS", "1")
     app()

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.progress import Progress, report
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.models import cycle_models
 from roundelay.motion.motion import Motion
@@ -41,6 +42,7 @@ __all__ = [
 ]
 
 
+@one_thread
 def find_cycles(
     motion: Motion, options: Options | None = None, *, progress: Progress | None = None
 ) -> list[Cycle]:
@@ -90,6 +92,7 @@ def find_cycles(
     return cycles
 
 
+@one_thread
 def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = None) -> Cycle:
     """Make the cycle of what `find_periodic` or `roundelay.timeline.inspection.inspect` found.
 
@@ -112,6 +115,7 @@ def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = Non
     return cycle_models[options.method].fit(motion, phase, evidence, options)
 
 
+@one_thread
 def find_periodic(
     take: Motion | Poses, options: Options | None = None, *, progress: Progress | None = None
 ) -> list[Evidence]:
@@ -143,6 +147,7 @@ def _phase(search: Search, evidence: Evidence) -> NDArray[np.float64]:
     return time_phase(own.points, evidence.turns, evidence.runs, frame_time=1.0 / search.fps)
 
 
+@one_thread
 def with_periods(
     found: Segmentation,
     motion: Motion,
@@ -181,6 +186,7 @@ def with_periods(
     return replace(found, segments=tuple(segments))
 
 
+@one_thread
 def cycles_in_segments(
     found: Segmentation,
     motion: Motion,

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
 from roundelay.base.spans import Span
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import find_feet, foot_points, skate
@@ -87,6 +88,7 @@ class Quality:
     coverage: float
 
 
+@one_thread
 def quality(cycle: Cycle, motion: Motion) -> Quality:
     """Measure a cycle against the capture it was found in.
 

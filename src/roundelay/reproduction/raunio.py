@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import NoPeriod, TooShort
+from roundelay.base.threads import one_thread
 from roundelay.cycles.models.constrained import M1, Model, fit_model
 from roundelay.phase.harmonic import HarmonicCurve
 from roundelay.phase.period import line_period
@@ -102,6 +103,7 @@ class PaperCycle:
         return self.curve(np.arange(int(self.period)) / self.period)
 
 
+@one_thread
 def extract(values: ArrayLike, options: PaperOptions | None = None) -> PaperCycle:
     """Extract the periodic motion of a capture.
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from roundelay.base.errors import TooShort
+from roundelay.base.threads import one_thread
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import leading_rest_pose
 from roundelay.segmentation.features import joint_quaternions
@@ -28,6 +29,7 @@ _RESOLUTION = 0.15
 _PAPER: dict[str, Any] = {"ppca-paper": PPCAOptions.paper(), "gmm-paper": GMMOptions.paper()}
 
 
+@one_thread
 def segment(
     motion: Motion,
     *,
@@ -79,6 +81,7 @@ def segment(
     return replace(segmented(channels, chosen, options), source=motion.name)
 
 
+@one_thread
 def segment_channels(
     values: ArrayLike,
     fps: float,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import LiftError
+from roundelay.base.threads import one_thread
 from roundelay.topology.distances import Runs, cross_distances
 from roundelay.topology.kernel import engine
 from roundelay.topology.kernel.reduction import F32, F64, I32, U64, count_up_to, narrow_ends
@@ -104,6 +105,7 @@ class CircularCoordinate:
         return distances
 
 
+@one_thread
 def circular_coordinate(
     barcode: Barcode,
     *,

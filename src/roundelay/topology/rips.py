@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from roundelay.base.errors import TooLarge
+from roundelay.base.threads import one_thread
 from roundelay.topology.distances import (
     Metric,
     check_distances,
@@ -148,6 +149,7 @@ class Barcode:
         return values
 
 
+@one_thread
 def persistent_cohomology(
     data: ArrayLike,
     *,

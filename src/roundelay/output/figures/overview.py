@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.threads import one_thread
 from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
 from roundelay.output.figures.palette import ACCENT, COMPANION, INK, PALE
@@ -82,6 +83,7 @@ def plane(axes: Axes, cycle: Cycle, motion: Motion) -> None:
     axes.legend(loc="upper right", frameon=False, fontsize=9)
 
 
+@one_thread
 def in_plane(cycle: Cycle, motion: Motion) -> tuple[Array, Array, NDArray[np.intp]]:
     """Project capture (F, 2) and cycle (200, 2) on the plane of the frames that show the motion.
 

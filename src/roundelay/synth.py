@@ -21,7 +21,7 @@ from roundelay.motion.motion import Motion, concatenate
 
 __all__ = ["Gait", "Synthetic", "gait", "humanoid", "sequence", "wander"]
 
-Array = NDArray[np.float64]
+_Array = NDArray[np.float64]
 Gait = Literal["walk", "run", "jacks", "punch", "spin"]
 
 # Joint: amplitudes in radians of (swing about x, raise about z) and phase of the swing.
@@ -72,7 +72,7 @@ class Synthetic:
     """
 
     motion: Motion
-    phase: Array
+    phase: _Array
     period: float
     cuts: tuple[int, ...] = ()
     labels: tuple[str, ...] = ()
@@ -224,7 +224,7 @@ def _blended(first: Motion, second: Motion, frames: int) -> Motion:
     return concatenate([first, eased])
 
 
-def _poses(kind: str, skeleton: Skeleton, shape: Array, rng: np.random.Generator) -> Array:
+def _poses(kind: str, skeleton: Skeleton, shape: _Array, rng: np.random.Generator) -> _Array:
     """Return rotations (F, J, 4) of a gait at unwrapped shape phases."""
     vectors = np.zeros((len(shape), skeleton.n_joints, 3))
     mirrored = kind in ("walk", "run", "punch")
@@ -241,7 +241,7 @@ def _poses(kind: str, skeleton: Skeleton, shape: Array, rng: np.random.Generator
     return rot.from_rotation_vector(vectors)
 
 
-def _path(stride: float, phase: Array, turning: float, shape: Array) -> Array:
+def _path(stride: float, phase: _Array, turning: float, shape: _Array) -> _Array:
     """Return a path that bends by `turning` a period, with the hips' bob."""
     path = np.zeros((len(phase), 3))
     # Integral of the heading (sin, 0, cos) at constant speed.

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-__all__ = ["one_thread"]
+__all__ = ["OneThread", "one_thread"]
 
 
 class _Library(Protocol):

@@ -17,6 +17,10 @@ __all__ = [
     "U64",
     "Columns",
     "Reduction",
+    "bit_labels",
+    "count_shorter",
+    "count_up_to",
+    "ends",
     "lengths_of",
     "narrow_ends",
 ]
@@ -107,7 +111,8 @@ def narrow_ends(keys: U64) -> tuple[U16, U16]:
 
 def count_shorter(keys: U64, length: float) -> int:
     """Count the edges strictly shorter than a length; keys ascending."""
-    floor = int(np.float32(length).view(np.uint32)) << 32
+    # The bits of floats are in the order of the floats from 0 on only, and -0.0 is none of them.
+    floor = int(np.float32(max(0.0, length)).view(np.uint32)) << 32
     return int(np.searchsorted(keys, np.uint64(floor)))
 
 

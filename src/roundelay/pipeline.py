@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.checks import expected
 from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.progress import Progress, report
 from roundelay.base.threads import one_thread
@@ -74,7 +75,8 @@ def find_cycles(
     Cancelled
         If `progress` returned False.
     """
-    options, motion = options or Options(), motion.with_root_motion()
+    options = expected(Options, options or Options())
+    motion = expected(Motion, motion).with_root_motion()
     model = cycle_models[options.method]
     search = Search.of_take(motion, options)
     found = find_evidence(search, progress)
@@ -110,8 +112,9 @@ def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = Non
     ValueError
         If an option is out of range.
     """
-    options, motion = options or Options(), motion.with_root_motion()
-    phase = _phase(Search.of_take(motion, options), evidence)
+    options = expected(Options, options or Options())
+    motion = expected(Motion, motion).with_root_motion()
+    phase = _phase(Search.of_take(motion, options), expected(Evidence, evidence))
     return cycle_models[options.method].fit(motion, phase, evidence, options)
 
 

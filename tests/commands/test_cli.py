@@ -68,7 +68,12 @@ def test_a_loop_for_engines(walk, tmp_path):
 
 def test_json_is_all_that_is_printed(walk, tmp_path):
     result = runner.invoke(app, ["loop", str(walk), "-o", str(tmp_path), "--json", "--no-picture"])
-    assert json.loads(result.stdout)["cycles"][0]["files"] == ["walk_loop.bvh"]
+    (cycle,) = json.loads(result.stdout)["cycles"]
+    assert cycle["files"] == ["walk_loop.bvh"]
+    # Programs read these by name.
+    assert cycle["period_seconds"] == pytest.approx(1.1, rel=0.01)
+    assert (cycle["repetitions"] > 2.0, 0.5 < cycle["confidence"] <= 1.0) == (True, True)
+    assert cycle["parts"] == [[0, 343]]
 
 
 def test_sampling_options(walk, tmp_path):

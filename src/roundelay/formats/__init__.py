@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from roundelay.base.checks import expected
 from roundelay.base.errors import TooShort
 from roundelay.formats.registry import (
     Reader,
@@ -102,6 +103,6 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
     """
     path = Path(path)
     writer = writer_of(path)
-    if not len(motion):
+    if not len(expected(Motion, motion)):
         raise TooShort("expected a motion of at least one frame, found none")
     writer.write(motion, path)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import expected
 from roundelay.base.errors import TooShort
 from roundelay.base.spans import Span
 from roundelay.base.threads import one_thread
@@ -108,6 +109,7 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
     ValueError
         If the cycle carries no evidence of where it was found.
     """
+    cycle, motion = expected(Cycle, cycle), expected(Motion, motion)
     if cycle.evidence is None:
         raise ValueError("expected a cycle found in a capture, with its evidence")
     motion, runs = motion.with_root_motion(), cycle.evidence.runs

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from roundelay.base.checks import expected
 from roundelay.base.errors import TooShort
 from roundelay.base.threads import one_thread
 from roundelay.motion.motion import Motion
@@ -72,7 +73,7 @@ def segment(
     ValueError
         If an option is out of range, or ``n_segments`` cannot be met.
     """
-    values = joint_quaternions(motion, joints)
+    values = joint_quaternions(expected(Motion, motion), joints)
     if leading_rest_pose(values):
         values[0] = values[1]
     chosen, options = _chosen(method, sensitivity, n_segments)

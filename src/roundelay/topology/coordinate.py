@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from numbers import Integral
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import expected
 from roundelay.base.errors import LiftError
 from roundelay.base.threads import one_thread
 from roundelay.topology.distances import Runs, cross_distances
@@ -18,7 +20,7 @@ from roundelay.topology.lift import Lift, lift_to_integers
 from roundelay.topology.rips import Barcode
 from roundelay.topology.significance import turns
 
-__all__ = ["CircularCoordinate", "Smoothing", "Weights", "circular_coordinate", "turns"]
+__all__ = ["CircularCoordinate", "Smoothing", "Weights", "circular_coordinate"]
 
 Weights = Literal["density", "uniform"]
 
@@ -197,8 +199,8 @@ class Smoothing:
     @classmethod
     def of_class(cls, barcode: Barcode, k: int, weights: Weights) -> Smoothing:
         """Lift class k and evaluate it on all edges below its death."""
-        if not 0 <= k < len(barcode):
-            raise ValueError(f"expected a class from 0 to {len(barcode) - 1}, found {k}")
+        if not (isinstance(k, Integral) and 0 <= k < len(expected(Barcode, barcode))):
+            raise ValueError(f"expected a class from 0 to {len(barcode) - 1}, found {k!r}")
         if weights not in ("density", "uniform"):
             raise ValueError(f'expected weights "density" or "uniform", found {weights!r}')
         reduction, death = barcode._reduction, float(barcode.deaths[k])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from numbers import Integral
 from typing import Literal
 
 import numpy as np
@@ -61,8 +62,9 @@ def choose_landmarks(
 
     Parameters
     ----------
-    data : (n, d) or (n, n) array_like
-        Points, or their distances with ``metric="precomputed"``.
+    data : (n, d) array_like, or distances
+        Points, or with ``metric="precomputed"`` their distances, in any form that
+        `roundelay.topology.persistent_cohomology` takes.
     count : int
         How many, at least 4; all points when there are fewer.
     method : {"stride", "greedy"}
@@ -84,10 +86,10 @@ def choose_landmarks(
         If there are fewer than 4 points.
     """
     check_metric(metric)
-    if count < 4 or method not in ("stride", "greedy"):
+    if not (isinstance(count, Integral) and count >= 4) or method not in ("stride", "greedy"):
         raise ValueError(
             f'expected a count of at least 4 and method "stride" or "greedy", '
-            f"found {count} and {method!r}"
+            f"found {count!r} and {method!r}"
         )
     columns = _columns_of(data, metric)
     n = len(columns(np.zeros(1, np.intp)))

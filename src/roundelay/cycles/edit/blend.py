@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import expected
 from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import Criterion, align, mapped
@@ -59,7 +60,7 @@ class CycleSpace:
         """
         if not cycles:
             raise ValueError("expected at least one cycle")
-        first = cycles[0]
+        first, *_ = [expected(Cycle, cycle) for cycle in cycles]
         others = [align(first, other, by=by, mirror=mirror).cycle for other in cycles[1:]]
         return cls((first, *[_same_signs(first, other) for other in others]))
 

@@ -114,7 +114,7 @@ def excitations(
     Parameters
     ----------
     points : (F, d) array_like
-        One pose a frame, as from `roundelay.motion.poses.point_cloud`.
+        One pose a frame, as from `roundelay.point_cloud`.
     fps : float
         Frames a second.
     metric : {"euclidean", "variance", "adjacent"}

@@ -13,7 +13,7 @@ from roundelay import synth
 from roundelay.output import figures
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-made = synth.gait("punch", repetitions=2.5, seed=3)
+made = synth.gait("punch", repetitions=2.5, rng=3)
 cycle = rl.find_cycles(made.motion)[0]
 
 drawn = figures.new_figure(12.0, 3.6)

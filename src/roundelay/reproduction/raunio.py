@@ -21,6 +21,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.threads import one_thread
 from roundelay.cycles.models.constrained import M1, Model, fit_model
@@ -92,6 +93,8 @@ class PaperCycle:
     unwrapped: Array = field(repr=False)
     errors: tuple[float, float, float]
     barcode: Barcode = field(repr=False)
+
+    __repr__ = brief
 
     @property
     def period_count(self) -> float:

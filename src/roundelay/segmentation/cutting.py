@@ -38,7 +38,7 @@ def segment(
     sensitivity: float = 1.0,
     n_segments: int | None = None,
     joints: Iterable[str] | None = None,
-    rng: np.random.Generator | None = None,
+    rng: int | np.random.Generator | None = None,
 ) -> Segmentation:
     """Cut a capture into behaviours, and name those that come back alike.
 
@@ -56,7 +56,7 @@ def segment(
         Make exactly this many segments (``gaussian`` only).
     joints : iterable of str, optional
         Joints to look at; by default those that correspond to [B]'s fourteen.
-    rng : numpy.random.Generator, optional
+    rng : int or numpy.random.Generator, optional
         For ``gmm``; seeded with 0 by default.
 
     Returns
@@ -78,7 +78,7 @@ def segment(
         values[0] = values[1]
     chosen, options = _chosen(method, sensitivity, n_segments)
     # A quaternion moves half as far as its rotation turns.
-    channels = Channels(values, motion.fps, 2.0, _RESOLUTION, rng or np.random.default_rng(0))
+    channels = Channels(values, motion.fps, 2.0, _RESOLUTION, np.random.default_rng(rng or 0))
     return replace(segmented(channels, chosen, options), source=motion.name)
 
 
@@ -90,7 +90,7 @@ def segment_channels(
     method: str | Any = "gaussian",
     sensitivity: float = 1.0,
     n_segments: int | None = None,
-    rng: np.random.Generator | None = None,
+    rng: int | np.random.Generator | None = None,
 ) -> Segmentation:
     """Cut bare channels (n, d) of any unit into behaviours; see `segment`.
 
@@ -105,7 +105,7 @@ def segment_channels(
     if not (np.isfinite(fps) and fps > 0.0):
         raise ValueError(f"expected a positive frame rate, found {fps}")
     chosen, options = _chosen(method, sensitivity, n_segments)
-    channels = Channels(points, fps, rng=rng or np.random.default_rng(0))
+    channels = Channels(points, fps, rng=np.random.default_rng(rng or 0))
     return segmented(channels, chosen, options)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.checks import expected
 from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.spans import Span
@@ -52,6 +53,8 @@ class Search:
     options: Options = field(default_factory=Options)
     poses: Poses | None = None
     limbs: str = ""
+
+    __repr__ = brief
 
     @classmethod
     def of_take(cls, take: Motion | Poses, options: Options) -> Search:

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.checks import expected
 from roundelay.base.errors import LiftError
 from roundelay.base.threads import one_thread
@@ -72,6 +73,11 @@ class CircularCoordinate:
     is_covered: NDArray[np.bool_] = field(repr=False)
     _anchor_phase: F64 = field(repr=False)
     _anchors: F64 | None = field(repr=False)
+
+    def __repr__(self) -> str:
+        terms = " + ".join(f"{factor} x {k}" for k, factor in self.combination)
+        which = f"class {self.class_index}" if len(self.combination) == 1 else f"classes {terms}"
+        return f"CircularCoordinate({len(self.phase)} points, {which}, scale {self.scale:.4g})"
 
     def evaluate(self, data: ArrayLike) -> F64:
         """Return the phase (m,) of new points.
@@ -195,6 +201,8 @@ class Smoothing:
     keys: U64
     values: I32
     weights: Weights
+
+    __repr__ = brief
 
     @classmethod
     def of_class(cls, barcode: Barcode, k: int, weights: Weights) -> Smoothing:

@@ -45,6 +45,10 @@ class Landmarks:
     cover_radius: float
     _distances: F32 = field(repr=False)
 
+    def __repr__(self) -> str:
+        chosen, radius = len(self.indices), self.cover_radius
+        return f"Landmarks({chosen} of {len(self._distances)} points, cover radius {radius:.4g})"
+
     @property
     def error_bound(self) -> float:
         """How far births and deaths of the landmarks' bars can be from those of all points.

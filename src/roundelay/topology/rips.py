@@ -75,6 +75,10 @@ class Barcode:
     _reduction: Reduction = field(repr=False)
     _points: F64 | None = field(default=None, repr=False)
 
+    def __repr__(self) -> str:
+        which = "" if self.is_complete else "longest "
+        return f"Barcode({len(self)} {which}bars of {self.n_points} points, mod {self.prime})"
+
     def __len__(self) -> int:
         return len(self.births)
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
+
 __all__ = [
     "F32",
     "F64",
@@ -55,6 +57,8 @@ class Columns:
     value: I64
     time: F32
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True)
 class Reduction:
@@ -90,6 +94,8 @@ class Reduction:
     killer: I64
     relations: Columns
     reduced: Columns
+
+    __repr__ = brief
 
 
 def lengths_of(keys: U64) -> F32:

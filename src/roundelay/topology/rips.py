@@ -76,8 +76,9 @@ class Barcode:
     _points: F64 | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
-        which = "" if self.is_complete else "longest "
-        return f"Barcode({len(self)} {which}bars of {self.n_points} points, mod {self.prime})"
+        bars = "bar" if len(self) == 1 else "bars"
+        bars = bars if self.is_complete else f"longest {bars}"
+        return f"Barcode({len(self)} {bars} of {self.n_points} points, mod {self.prime})"
 
     def __len__(self) -> int:
         return len(self.births)

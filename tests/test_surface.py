@@ -16,7 +16,9 @@ import roundelay as rl
 from roundelay import synth
 
 ROOT = Path(rl.__file__).parent
-PUBLIC_MODULES = ("roundelay.segmentation", "roundelay.synth", "roundelay.topology")
+PUBLIC_MODULES = tuple(
+    f"roundelay.{name}" for name in ("segmentation", "synth", "testing", "topology")
+)
 
 
 def fresh(code: str) -> object:

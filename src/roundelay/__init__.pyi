@@ -1,6 +1,7 @@
 # The public names, each with its home: a line a name. `roundelay.__all__` is read from here.
 from roundelay import segmentation as segmentation
 from roundelay import synth as synth
+from roundelay import testing as testing
 from roundelay import topology as topology
 from roundelay.base.errors import Cancelled as Cancelled
 from roundelay.base.errors import FormatError as FormatError

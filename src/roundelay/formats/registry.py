@@ -24,6 +24,7 @@ from roundelay.motion.motion import Motion
 __all__ = [
     "Reader",
     "SkeletonReader",
+    "Suffixed",
     "Writer",
     "checked_format",
     "files_of",

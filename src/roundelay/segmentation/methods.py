@@ -18,7 +18,7 @@ from roundelay.segmentation.pca import OnlinePCA, PCAOptions
 from roundelay.segmentation.ppca import PPCAOptions, ppca_cuts
 from roundelay.segmentation.result import Curve
 
-__all__ = ["segmentation_methods"]
+__all__ = ["GMM", "PCA", "PPCA", "Gaussian", "segmentation_methods"]
 
 
 class Gaussian:

@@ -21,7 +21,6 @@ from roundelay.cli import app
 from roundelay.commands.options import taken_by
 from roundelay.cycles.edit import blend
 from roundelay.cycles.edit.options import BlendOptions, TransitionOptions
-from roundelay.loops.profiles import playback_record
 from roundelay.segmentation import GaussianOptions, PCAOptions, PPCAOptions, segment_channels
 
 ROOT = Path(__file__).parent.parent
@@ -194,7 +193,6 @@ def test_a_command_takes_no_name_twice():
     ("function", "options"),
     [
         (rl.Cycle.sample, rl.LoopOptions),
-        (playback_record, rl.LoopOptions),
         (rl.segment, GaussianOptions),
         (segment_channels, GaussianOptions),
         (rl.transition, TransitionOptions),

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import sys
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn, cast
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from roundelay.commands.blend import blend, transition
-from roundelay.commands.common import BAD_INPUT, INTERRUPTED
+from roundelay.commands.common import BAD_INPUT, INTERRUPTED, one_line_errors
 from roundelay.commands.convert import convert
 from roundelay.commands.excitations import excitations
 from roundelay.commands.inspect import inspect
 from roundelay.commands.library import library
+from roundelay.commands.listing import filled
 from roundelay.commands.loop import loop
 from roundelay.commands.search import search
 from roundelay.commands.segment import segment
@@ -36,6 +37,16 @@ class _Commands(TyperGroup):
         except typer.Abort:
             code = INTERRUPTED
         sys.exit(code)
+
+
+class _Command(TyperCommand):
+    """A command whose help lists what is registered, looked for when the help is shown."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        with one_line_errors():
+            for parameter in cast("list[Any]", self.params):
+                parameter.help = parameter.help and filled(parameter.help)
+        super().format_help(ctx, formatter)
 
 
 def _refuse(error: Any) -> NoReturn:
@@ -67,7 +78,7 @@ for command in (
     search,
     convert,
 ):
-    app.command()(command)
+    app.command(cls=_Command)(command)
 
 
 def _version(wanted: bool) -> None:

@@ -57,7 +57,7 @@ def test_other_methods(capture, tmp_path, method):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--cut-by", "magic"], "expected cut-by as one of"),
+        (["--cut-by", "magic"], "expected a segmentation method among"),
         (["--cut-by", "pca", "--sensitivity", "2"], "expected options of the method 'gaussian'"),
         (["--joints", "tail"], "no joint 'tail'"),
         (["--segments", "99"], "expected at most"),

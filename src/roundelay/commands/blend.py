@@ -22,17 +22,17 @@ if TYPE_CHECKING:
 
 Captures = Annotated[
     list[Path],
-    typer.Argument(metavar="CAPTURE", help="BVH or AMC files, one cycle each.", show_default=False),
+    typer.Argument(metavar="CAPTURE", help="{readers} files, one cycle each.", show_default=False),
 ]
 First = Annotated[
-    Path, typer.Argument(metavar="FIRST", help="A BVH or AMC file.", show_default=False)
+    Path, typer.Argument(metavar="FIRST", help="A {readers} file.", show_default=False)
 ]
 Second = Annotated[
-    Path, typer.Argument(metavar="SECOND", help="A BVH or AMC file.", show_default=False)
+    Path, typer.Argument(metavar="SECOND", help="A {readers} file.", show_default=False)
 ]
 
 
-@takes(mixing=BlendOptions, written=all_but(LoopOptions, "file_format"))
+@takes(mixing=BlendOptions, written=all_but(LoopOptions, "file_format", "profile"))
 def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: LoopOptions) -> None:
     """Blend the best cycles of several captures and write the loop.
 
@@ -44,7 +44,7 @@ def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: Loop
         from roundelay.cycles.edit.blend import blend as blend_cycles
         from roundelay.cycles.edit.separate import repaired
         from roundelay.formats import write
-        from roundelay.loops.profiles import playback_record
+        from roundelay.loops.profiles import limb_record
 
         shares = _shares(mixing, len(captures))
         cycles, sources = _best_cycles(captures, mixing.mirror)
@@ -54,7 +54,8 @@ def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: Loop
         output_directory(file.parent)
         write(loop, file)
         typer.echo(f"{file}: {len(loop)} frames, period {mixed.period:.2f} s")
-        print_limbs(playback_record(mixed, **written.sampling, mended=mended))
+        parted = mixed.sample(written.fps, foot_lock=written.foot_lock)
+        print_limbs(limb_record(parted, mended))
 
 
 @takes(joining=TransitionOptions, written=only(LoopOptions, "fps", "repair"))

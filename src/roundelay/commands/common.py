@@ -39,7 +39,7 @@ __all__ = [
 BAD_INPUT, NO_PERIOD, INTERRUPTED = 2, 3, 130
 
 Capture = Annotated[
-    Path, typer.Argument(metavar="CAPTURE", help="A BVH or AMC file.", show_default=False)
+    Path, typer.Argument(metavar="CAPTURE", help="A {readers} file.", show_default=False)
 ]
 Skeleton = Annotated[
     Path | None,
@@ -66,13 +66,15 @@ def fail(message: str, code: int = BAD_INPUT) -> NoReturn:
 def one_line_errors(capture: Path | None = None) -> Iterator[None]:
     """Turn errors of the input into one line and exit code 2, warnings into one line each.
 
+    The work inside is done with one thread, also what draws its results.
     Errors that name no file themselves are those of `capture`, if that is given.
     """
     from roundelay.base.errors import FormatError, NoPeriod, RoundelayError
+    from roundelay.base.threads import one_thread
 
     named = "" if capture is None else f"{capture}: "
 
-    with warnings.catch_warnings():
+    with one_thread, warnings.catch_warnings():
         warnings.showwarning = _show_warning
         try:
             yield

@@ -22,9 +22,7 @@ from roundelay.timeline.options import Options
 
 Target = Annotated[
     Path,
-    typer.Argument(
-        metavar="TARGET", help="The BVH, AMC, GLB or GLTF file to write.", show_default=False
-    ),
+    typer.Argument(metavar="TARGET", help="The {writers} file to write.", show_default=False),
 ]
 
 
@@ -53,7 +51,7 @@ def convert(
     written: LoopOptions,
     change: ConvertOptions,
 ) -> None:
-    """Convert a capture to BVH, AMC or glTF, resampled, cropped or scaled.
+    """Convert a capture to another format, resampled, cropped or scaled.
 
     An AMC gets its ASF beside it, of the same name.
     """

@@ -21,7 +21,7 @@ from roundelay.commands.common import (
     one_line_errors,
     print_json,
 )
-from roundelay.commands.options import takes
+from roundelay.commands.options import all_but, takes
 from roundelay.loops.options import LoopOptions
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ Sources = Annotated[
     list[Path],
     typer.Argument(
         metavar="FOLDER|FILE",
-        help="Folders, searched to any depth for BVH and AMC files, or such files.",
+        help="Folders, searched to any depth for {readers} files, or such files.",
         show_default=False,
     ),
 ]
@@ -43,7 +43,7 @@ Jobs = Annotated[
 Again = Annotated[bool, typer.Option("--again", help="Do again what an earlier run did.")]
 
 
-@takes(written=LoopOptions)
+@takes(written=all_but(LoopOptions, "profile"))
 def library(
     sources: Sources,
     output: Directory,

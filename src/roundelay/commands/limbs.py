@@ -9,14 +9,14 @@ import typer
 
 def print_limbs(record: dict[str, Any]) -> None:
     """Say which bones were moved apart and which may still touch, a line a pair."""
-    for one in record["mended"]:
+    for one in record.get("mended", ()):  # not every profile tells of limbs
         frames = ", ".join(f"{start}-{stop}" for start, stop in one["frames"])
         typer.echo(
             f"    {' and '.join(one['bones'])} moved apart in frames {frames}, "
             f"by turns of up to {one['largest_degrees']:.1f} deg"
         )
     pairs: dict[str, list[str]] = {}
-    for one in record["collisions"]:
+    for one in record.get("collisions", ()):
         start, stop = one["frames"]
         pairs.setdefault(" and ".join(one["bones"]), []).append(f"{start}-{stop}")
     for bones, spans in pairs.items():

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from roundelay.base.progress import Progress
     from roundelay.cycles.cycle import Cycle
     from roundelay.cycles.edit.separate import Mended
+    from roundelay.loops.profiles import Profile
     from roundelay.motion.motion import Motion
 
 PerBehaviour = Annotated[
@@ -62,8 +63,10 @@ def loop(
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found.
     """
     from roundelay.base.errors import NoPeriod
+    from roundelay.loops.profiles import profiles
 
     with one_line_errors(capture):
+        profile = profiles[written.profile]
         with progress_bar(quiet=json) as progress:
             motion = read_capture(capture, skeleton)
             folder = output_directory(output)
@@ -72,7 +75,7 @@ def loop(
             except NoPeriod as refusal:
                 _refuse(motion, capture, folder, search, refusal, json)
         loops = [_repaired(motion, one) if written.repair else (one, ()) for one in cycles]
-        record = _write(motion, capture, folder, search, loops, written, picture)
+        record = _write(motion, capture, folder, search, loops, written, profile, picture)
         if gif:
             _animate(record, [cycle for cycle, _ in loops], folder)
         if json:
@@ -126,11 +129,11 @@ def _write(
     options: Options,
     loops: list[tuple[Cycle, tuple[Mended, ...]]],
     written: LoopOptions,
+    profile: Profile,
     picture: bool,
 ) -> dict[str, Any]:
     """Write loops, picture and record; return the record."""
     from roundelay.formats import write
-    from roundelay.loops.profiles import playback_record
     from roundelay.loops.quality import quality
     from roundelay.output.records import capture_record, cycle_record, write_json
 
@@ -141,7 +144,7 @@ def _write(
         sampled = cycle.sample(**written.sampling)
         write(sampled, path)
         entry = cycle_record(cycle, quality(cycle, motion), [path])
-        playback = playback_record(cycle, **written.sampling, mended=mended)
+        playback = profile.record(cycle, written, mended)
         record["cycles"].append(entry | {"loop_frames": len(sampled), "playback": playback})
     if picture:
         from roundelay.output.figures import overview, save

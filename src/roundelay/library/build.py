@@ -12,6 +12,7 @@ from typing import Any
 
 from roundelay.base.errors import FormatError
 from roundelay.base.progress import Progress, report
+from roundelay.base.threads import one_thread
 from roundelay.base.version import __version__
 from roundelay.library.captures import find_captures
 from roundelay.library.catalogue import CATALOGUE, SIGNATURES, Library
@@ -28,6 +29,7 @@ Place = str | PathLike[str]
 Tell = Callable[[str], object]
 
 
+@one_thread
 def build_library(
     sources: Place | Sequence[Place],
     folder: Place,

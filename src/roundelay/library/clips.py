@@ -16,8 +16,7 @@ from roundelay.base.version import __version__
 from roundelay.compare.spectra import Spectra
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.separate import repaired, source_parts
-from roundelay.formats import read, write
-from roundelay.formats.asf import find_skeleton
+from roundelay.formats import files_of, read, write
 from roundelay.library.store import Entry
 from roundelay.loops.options import LoopOptions
 from roundelay.loops.quality import quality
@@ -68,9 +67,8 @@ class Clip:
         """Tell which version of the file is used, and how; None if it cannot be reached."""
         files = [self.path]
         try:
-            if self.path.suffix.lower() == ".amc":
-                with suppress(FormatError):
-                    files.append(find_skeleton(self.path))
+            with suppress(FormatError):
+                files = files_of(self.path)
             versions = [[file.stat().st_size, file.stat().st_mtime_ns] for file in files]
         except OSError:
             return None

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 from roundelay.base.options import Checked, option
+from roundelay.formats import checked_format
 from roundelay.motion.motion import FASTEST
 
-__all__ = ["FileFormat", "LoopOptions"]
-
-FileFormat = Literal["bvh", "amc", "glb", "gltf"]
+__all__ = ["LoopOptions"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +30,10 @@ class LoopOptions(Checked):
         Hold standing feet still; see `roundelay.cycles.edit.footlock`.
     repair : bool
         Part limbs that pass through each other more than they do in the capture.
-    file_format : {"bvh", "amc", "glb", "gltf"}
+    file_format : str
+        "bvh", "amc", "glb", "gltf", or a suffix that a plug-in's writer knows.
+    profile : str
+        What the record tells of playing the loop, by the name of an export profile.
 
     Raises
     ------
@@ -57,7 +59,12 @@ class LoopOptions(Checked):
         "Part limbs that pass through each other more than they do in the capture.",
         label="Part Limbs",
     )
-    file_format: FileFormat = option("bvh", "Format of the file.", flag="format")
+    file_format: str = option("bvh", "Format of the file: {formats}.", flag="format")
+    profile: str = option("generic", "What the record tells of playing the loop: {profiles}.")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        checked_format(self.file_format)
 
     @property
     def sampling(self) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import expected
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.skeleton import Skeleton
@@ -275,9 +276,9 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
     """
     if not motions:
         raise ValueError("expected at least one motion")
-    first = motions[0]
+    first = expected(Motion, motions[0])
     for other in motions[1:]:
-        first.skeleton.require_same(other.skeleton)
+        first.skeleton.require_same(expected(Motion, other).skeleton)
         if not np.isclose(other.frame_time, first.frame_time, rtol=1e-4):
             raise ValueError(f"expected one frame rate, found {first.fps:g} and {other.fps:g} fps")
     moved = None

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
+
 __all__ = [
     "HarmonicCurve",
     "crossfade_weights",
@@ -47,6 +49,8 @@ class HarmonicCurve:
     constant: Array
     sine: Array
     cosine: Array
+
+    __repr__ = brief
 
     def __call__(self, phase: ArrayLike, derivative: int = 0) -> Array:
         """Evaluate the curve or a derivative by phase.

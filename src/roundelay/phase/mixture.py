@@ -8,6 +8,8 @@ from math import erfc
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
+
 __all__ = ["CircularMixture", "fit_circular_mixture"]
 
 Array = NDArray[np.float64]
@@ -26,6 +28,8 @@ class CircularMixture:
     means: Array
     variances: Array
     shares: Array
+
+    __repr__ = brief
 
     def density(self, phase: ArrayLike) -> Array:
         """Return the density (n,) at phases (n,), with an integral of 1 over [0, 1)."""

@@ -18,7 +18,7 @@ from roundelay.base.options import Checked, option
 from roundelay.segmentation.moments import principal_axes
 from roundelay.segmentation.pca import intrinsic_dimension
 
-__all__ = ["GMMOptions", "Mixture", "fit_mixture", "gmm_labels"]
+__all__ = ["GMMOptions", "Mixture", "fit_mixture", "gmm_labels", "merge_short"]
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from roundelay.base.options import Checked, option
+from roundelay.segmentation.cutting import method_names
 from roundelay.segmentation.gaussian import GaussianOptions
-from roundelay.segmentation.methods import Method
 
 __all__ = ["SegmentOptions"]
 
@@ -31,19 +31,21 @@ class SegmentOptions(Checked):
 
     title: ClassVar[str] = "Where behaviours change"
 
-    method: Method = option(
-        "gaussian", "How cuts are found; all but gaussian are those of [B].", flag="cut-by"
-    )
+    method: str = option("gaussian", "How cuts are found: {methods}.", flag="cut-by")
     gaussian: GaussianOptions = option(GaussianOptions, "The default method.")
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.method not in method_names():
+            raise ValueError(
+                f"expected a segmentation method among {method_names()}, found {self.method!r}"
+            )
         if self.method != "gaussian" and self.gaussian != GaussianOptions():
             raise ValueError(
                 f"expected options of the method 'gaussian' with that method, found {self.method!r}"
             )
 
     @property
-    def chosen(self) -> Method | GaussianOptions:
+    def chosen(self) -> str | GaussianOptions:
         """What `roundelay.segment` takes for its method."""
         return self.gaussian if self.method == "gaussian" else self.method

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.options import Checked, option
+from roundelay.base.threads import one_thread
 
 __all__ = ["OnlinePCA", "PCAOptions", "intrinsic_dimension"]
 
@@ -105,6 +106,7 @@ class OnlinePCA:
         self.strengths: list[float] = []
         self._restart()
 
+    @one_thread
     def push(self, frames: ArrayLike) -> list[int]:
         """Take one frame (d,) or several (n, d); return the cuts they led to."""
         known = len(self.cuts)

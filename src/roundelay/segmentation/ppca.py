@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
 from roundelay.base.options import Checked, option
+from roundelay.base.threads import one_thread
 from roundelay.segmentation.pca import intrinsic_dimension
 
 __all__ = ["OnlinePPCA", "PPCAModel", "PPCAOptions", "ppca_cuts"]
@@ -164,6 +165,7 @@ class OnlinePPCA:
         self.curve: list[tuple[int, float]] = []
         self._restart()
 
+    @one_thread
     def push(self, frames: ArrayLike) -> list[int]:
         """Take one frame (d,) or several (n, d); return the cuts they led to."""
         known = len(self.cuts)

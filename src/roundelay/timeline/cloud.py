@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.spans import Spans
 from roundelay.motion.poses import principal_components, with_velocity
 from roundelay.timeline.options import TopologyOptions
@@ -57,6 +58,8 @@ class PoseCloud:
     data: Array
     landmarks: Indices
     barcode: Barcode
+
+    __repr__ = brief
 
     @property
     def landmark_runs(self) -> Spans:

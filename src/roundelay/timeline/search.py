@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
+from roundelay.base.checks import expected
 from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.spans import Span
 from roundelay.motion.features import MotionPoses
@@ -51,6 +53,8 @@ class Search:
     options: Options = field(default_factory=Options)
     poses: Poses | None = None
     limbs: str = ""
+
+    __repr__ = brief
 
     @classmethod
     def of_take(cls, take: Motion | Poses, options: Options) -> Search:
@@ -102,9 +106,9 @@ class Search:
 
 def _poses(take: Motion | Poses, options: Options) -> tuple[Poses, tuple[str, ...] | None]:
     """Return the poses of a take, and the points that the options choose among them."""
-    joints = options.joints
+    joints = expected(Options, options).joints
     if not isinstance(take, Motion):
-        return take, joints
+        return expected(Poses, take), joints  # type: ignore[type-abstract]
     take = take.with_root_motion()
     if joints is not None:
         take.skeleton.indices(joints)

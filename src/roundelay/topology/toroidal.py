@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from roundelay.base.threads import one_thread
 from roundelay.topology.coordinate import TOLERANCE, CircularCoordinate, Smoothing, Weights
 from roundelay.topology.kernel.reduction import F64, I64, count_up_to, ends
 from roundelay.topology.landmarks import Landmarks
@@ -22,6 +23,7 @@ __all__ = ["combined_coordinates", "toroidal_coordinates"]
 HIGH = 0.7
 
 
+@one_thread
 def toroidal_coordinates(
     barcode: Barcode,
     *,
@@ -65,6 +67,7 @@ def toroidal_coordinates(
     return span.combined(reduce_lattice(span.gram()), landmarks)
 
 
+@one_thread
 def combined_coordinates(
     barcode: Barcode,
     coefficients: Sequence[Sequence[int]],

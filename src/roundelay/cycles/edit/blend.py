@@ -15,6 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import expected
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import Criterion, align, mapped
 from roundelay.geometry import rotations as rot
@@ -58,10 +60,11 @@ class CycleSpace:
         """
         if not cycles:
             raise ValueError("expected at least one cycle")
-        first = cycles[0]
+        first, *_ = [expected(Cycle, cycle) for cycle in cycles]
         others = [align(first, other, by=by, mirror=mirror).cycle for other in cycles[1:]]
         return cls((first, *[_same_signs(first, other) for other in others]))
 
+    @one_thread
     def cycle(self, weights: ArrayLike) -> Cycle:
         """Return the blend (k,) of the cycles as a cycle.
 
@@ -90,6 +93,7 @@ class CycleSpace:
             evidence=None,
         )
 
+    @one_thread
     def rotations(self, weights: ArrayLike, phase: ArrayLike) -> Array:
         """Return rotations (n, J, 4) at phases (n,) with weights (k,) or one row a phase (n, k).
 
@@ -214,6 +218,7 @@ def _combined(curves: Sequence[HarmonicCurve], weights: Array) -> HarmonicCurve:
     return HarmonicCurve(longest.frequencies, constant, sine, cosine)
 
 
+@one_thread
 def blend(
     cycles: Sequence[Cycle],
     weights: ArrayLike,
@@ -225,6 +230,7 @@ def blend(
     return CycleSpace.of(cycles, by=by, mirror=mirror).cycle(weights)
 
 
+@one_thread
 def transition(
     first: Cycle,
     second: Cycle,

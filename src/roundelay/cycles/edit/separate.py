@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.spans import Span, Spans, closed_spans
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import contacts, find_feet, foot_points, shoulders
@@ -60,6 +61,7 @@ def source_parts(cycle: Cycle, motion: Motion, *, mirror: bool = False) -> list[
     return parts + [part.mirror() for part in parts if mirror]
 
 
+@one_thread
 def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple[Mended, ...]]:
     """Part limbs of a cycle that pass through each other, by small smooth turns.
 
@@ -103,6 +105,7 @@ def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple
     )
 
 
+@one_thread
 def repaired_motion(
     motion: Motion, sources: Sequence[Motion] = ()
 ) -> tuple[Motion, tuple[Mended, ...]]:

@@ -21,19 +21,19 @@ import json
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar
 
 import numpy as np
 
 import roundelay as rl
 from benchmarks.paper_a_data import KINDS, ROWS, Row, excerpt
 from benchmarks.raunio import find_capture
+from roundelay.cycles.models import cycle_models
 from roundelay.geometry import contacts
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.loops.quality import quality
 from roundelay.motion.features import point_cloud
-from roundelay.timeline.options import Method
 from roundelay.timeline.proposals.excitation import Excitation, excitations
 
 Result = TypeVar("Result")
@@ -228,7 +228,7 @@ def trajectories(data: Path) -> list[dict[str, Any]]:
     for kind, chosen in KINDS.items():
         name, frames = chosen[0]
         motion = excerpt(data, name, frames)
-        for method in get_args(Method):
+        for method in cycle_models.names():
             options = rl.Options(method=method, most=1)
             found, cpu, _ = timed(lambda options=options, m=motion: rl.find_cycles(m, options))
             figures = quality(found[0], motion)

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.errors import LiftError
-from roundelay.topology import p_values, periodicity, persistent_cohomology
+from roundelay.reproduction.periodicity import periodicity
+from roundelay.topology import p_values, persistent_cohomology
 from roundelay.topology.coordinate import circular_coordinate
 
 Points = NDArray[np.float64]

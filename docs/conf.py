@@ -17,6 +17,7 @@ import roundelay
 from roundelay.base.thresholds import constants
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
 ROOT = HERE.parent
 
 project = "roundelay"
@@ -35,7 +36,12 @@ numpydoc_show_class_members = False
 default_role = "py:obj"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
-exclude_patterns = ["_made/benchmarks.md", "_made/thresholds.md", "_made/tree.md"]
+exclude_patterns = [
+    "_made/benchmarks.md",
+    "_made/options.md",
+    "_made/thresholds.md",
+    "_made/tree.md",
+]
 html_theme = "furo"
 html_title = "roundelay"
 html_static_path: list[str] = []
@@ -62,6 +68,7 @@ def setup(app: Any) -> None:
     app.connect("builder-inited", lambda _: _benchmarks(made))
     app.connect("builder-inited", lambda _: _tree(made))
     app.connect("builder-inited", lambda _: _thresholds(made))
+    app.connect("builder-inited", lambda _: _options(made))
 
 
 def _plain_bars(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
@@ -162,6 +169,13 @@ def _moved(row: dict[str, Any] | None) -> str:
     if not less and not more:
         return f"changes none of {count}"
     return f"x.8 changes {less}, x1.2 {more} of {count}"
+
+
+def _options(made: Path) -> None:
+    """Write the tables of options."""
+    from tables import tables
+
+    (made / "options.md").write_text(tables())
 
 
 def _folders_last(path: Path) -> tuple[str, str]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.numeric import SMALLEST
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import align
 from roundelay.topology.rips import Barcode
@@ -113,6 +114,7 @@ def _costs(first: Array, second: Array) -> Array:
     return costs
 
 
+@one_thread
 def cycle_distance(first: Cycle, second: Cycle, *, mirror: bool = True) -> float:
     """Return the distance of cycles in phase and heading: RMS over joints, in body sizes.
 
@@ -131,6 +133,7 @@ def cycle_distance(first: Cycle, second: Cycle, *, mirror: bool = True) -> float
     return align(first, second, mirror=mirror).distance
 
 
+@one_thread
 def distance_matrix(items: Sequence[Item], distance: Callable[[Item, Item], float]) -> Array:
     """Return the distances (n, n) between all items by one of the distances here."""
     result = np.zeros((len(items), len(items)))
@@ -140,6 +143,7 @@ def distance_matrix(items: Sequence[Item], distance: Callable[[Item, Item], floa
     return result
 
 
+@one_thread
 def search(
     query: Item, items: Sequence[Item], distance: Callable[[Item, Item], float]
 ) -> list[tuple[int, float]]:
@@ -148,6 +152,7 @@ def search(
     return sorted(found, key=lambda pair: pair[1])
 
 
+@one_thread
 def cluster(
     distances: ArrayLike, count: int | None = None, *, within: float | None = None
 ) -> Labels:

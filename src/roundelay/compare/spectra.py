@@ -14,6 +14,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.errors import SkeletonMismatch
 from roundelay.base.numeric import SMALL
 from roundelay.compare.thresholds import SPECTRA
@@ -93,6 +94,8 @@ class Spectra:
     means: NDArray[np.float32]
     waves: NDArray[np.complex64]
     reflections: NDArray[np.float32]
+
+    __repr__ = brief
 
     def __len__(self) -> int:
         return len(self.means)

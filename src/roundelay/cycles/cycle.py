@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.threads import one_thread
 from roundelay.cycles.edit.footlock import lock_feet
 from roundelay.cycles.thresholds import CYCLE
 from roundelay.geometry import rotations as rot
@@ -128,6 +129,7 @@ class Cycle:
         path[:, across], path[:, along] = plane.real, plane.imag
         return path
 
+    @one_thread
     def sample(
         self,
         fps: float | None = None,
@@ -193,6 +195,7 @@ class Cycle:
             return 0.0
         return direction - float(np.arctan2(speed[aside], speed[ahead]))
 
+    @one_thread
     def at(self, phase: ArrayLike, *, frame_time: float, in_place: bool = False) -> Motion:
         """Return the poses at unwrapped phases (n,) as a motion; see `sample`."""
         x = np.asarray(phase, float)

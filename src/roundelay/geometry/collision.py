@@ -18,7 +18,7 @@ from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.geometry.thresholds import COLLISION
 
-__all__ = ["Capsules", "Collision", "Near", "collisions", "nearest_points", "segment_distances"]
+__all__ = ["Capsules", "Collision", "Near", "collisions", "nearest_points"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -223,12 +223,6 @@ def _joints_between(first: list[int], second: list[int]) -> int:
     apart = (len(first) - shared) + (len(second) - shared)
     inline = first[0] in second or second[0] in first
     return apart - (1 if inline else 2)
-
-
-def segment_distances(first: Segments, second: Segments) -> Array:
-    """Return the distances (n,) between segments, each given by its two ends (n, 3)."""
-    near, other = nearest_points(first, second)
-    return np.asarray(np.linalg.norm(near - other, axis=-1))
 
 
 def nearest_points(first: Segments, second: Segments) -> tuple[Array, Array]:

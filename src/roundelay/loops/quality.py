@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import expected
 from roundelay.base.errors import TooShort
 from roundelay.base.spans import Span
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import find_feet, foot_points, skate
@@ -86,6 +88,7 @@ class Quality:
     coverage: float
 
 
+@one_thread
 def quality(cycle: Cycle, motion: Motion) -> Quality:
     """Measure a cycle against the capture it was found in.
 
@@ -105,6 +108,7 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
     ValueError
         If the cycle carries no evidence of where it was found.
     """
+    cycle, motion = expected(Cycle, cycle), expected(Motion, motion)
     if cycle.evidence is None:
         raise ValueError("expected a cycle found in a capture, with its evidence")
     motion, runs = motion.with_root_motion(), cycle.evidence.runs

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import SkeletonMismatch
 from roundelay.base.numeric import TINY
+from roundelay.base.threads import one_thread
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import find_feet, free_limbs
 from roundelay.geometry.kinematics import forward_kinematics, heading
@@ -76,6 +77,7 @@ class MotionPoses:
         return {name: inside for name, inside in points.items() if inside}
 
 
+@one_thread
 def point_cloud(
     motion: Motion,
     features: Features = "positions",

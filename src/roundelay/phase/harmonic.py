@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.numeric import ROUNDING, SMALL, smoothstep
 from roundelay.phase.thresholds import CROSSFADE, HARMONIC
 
@@ -47,6 +48,8 @@ class HarmonicCurve:
     constant: Array
     sine: Array
     cosine: Array
+
+    __repr__ = brief
 
     def __call__(self, phase: ArrayLike, derivative: int = 0) -> Array:
         """Evaluate the curve or a derivative by phase.

@@ -8,6 +8,7 @@ from math import erfc
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.numeric import TINY
 from roundelay.phase.thresholds import MIXTURE
 
@@ -29,6 +30,8 @@ class CircularMixture:
     means: Array
     variances: Array
     shares: Array
+
+    __repr__ = brief
 
     def density(self, phase: ArrayLike) -> Array:
         """Return the density (n,) at phases (n,), with an integral of 1 over [0, 1)."""

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.errors import TooShort
 from roundelay.base.spans import Span
 from roundelay.phase.mixture import fit_circular_mixture
@@ -39,6 +40,8 @@ class PhaseMap:
 
     phase: Array
     period: float
+
+    __repr__ = brief
 
     def __call__(self, turns: ArrayLike) -> Array:
         """Map unwrapped coordinates (n,) to unwrapped time phases, both in turns."""

@@ -14,11 +14,13 @@ over the capture's principal variances v. See `roundelay.segmentation.model`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.numeric import SMALLEST
+from roundelay.base.options import Checked, option
 from roundelay.segmentation.model import GaussianModel
 from roundelay.segmentation.thresholds import GAUSSIAN
 
@@ -33,7 +35,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class GaussianOptions:
+class GaussianOptions(Checked):
     """Choices of the piecewise Gaussian method; none needs to be made.
 
     Parameters
@@ -43,25 +45,20 @@ class GaussianOptions:
     n_segments : int, optional
         Make exactly this many segments instead.
     resolution : float, optional
-        Standard deviation that is too small to matter, in the unit of the values; by default
-        .15 rad for motions, and .15 of the total standard deviation for bare channels.
+        Standard deviation that is too small to matter: in radians for motions, by default .15;
+        for bare channels in their unit, by default .15 of the total standard deviation.
     shortest : float
         Seconds a behaviour lasts at least.
     """
 
-    sensitivity: float = 1.0
-    n_segments: int | None = None
-    resolution: float | None = None
-    shortest: float = 1.0
+    title: ClassVar[str] = "Cuts by change of posture (gaussian)"
 
-    def __post_init__(self) -> None:
-        for name in ("sensitivity", "shortest"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"expected a positive {name}, found {getattr(self, name)}")
-        if self.resolution is not None and not self.resolution > 0.0:
-            raise ValueError(f"expected a positive resolution, found {self.resolution}")
-        if self.n_segments is not None and self.n_segments < 1:
-            raise ValueError(f"expected at least one segment, found n_segments={self.n_segments}")
+    sensitivity: float = option(1.0, "2 finds finer behaviours, 0.5 coarser ones.", above=0)
+    n_segments: int | None = option(None, "Make exactly so many.", least=1, flag="segments")
+    resolution: float | None = option(
+        None, "Standard deviation of poses that is too small to matter.", unit="radians", above=0
+    )
+    shortest: float = option(1.0, "A behaviour lasts at least so long.", unit="seconds", above=0)
 
 
 def gaussian_cuts(model: GaussianModel, options: GaussianOptions) -> list[int]:

@@ -8,23 +8,25 @@ neighbours, those at the ends to their one neighbour.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.errors import TooShort
 from roundelay.base.numeric import ROUNDING, SMALLEST
+from roundelay.base.options import Checked, option
 from roundelay.segmentation.moments import principal_axes
 from roundelay.segmentation.pca import intrinsic_dimension
 from roundelay.segmentation.thresholds import GMM
 
-__all__ = ["GMMOptions", "Mixture", "fit_mixture", "gmm_labels"]
+__all__ = ["GMMOptions", "Mixture", "fit_mixture", "gmm_labels", "merge_short"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class GMMOptions:
+class GMMOptions(Checked):
     """Parameters of the mixture method; the defaults are those of [B] 3.3 but for the starts.
 
     Parameters
@@ -41,17 +43,15 @@ class GMMOptions:
         EM steps at most; they end once the log-likelihood per frame gains less than 1e-6.
     """
 
-    clusters: int = 4
-    energy: float = 0.9
-    shortest: float = 1.0
-    starts: int = 5
-    iterations: int = 200
+    title: ClassVar[str] = "Cuts by clusters of poses (gmm)"
 
-    def __post_init__(self) -> None:
-        if self.clusters < 1 or self.starts < 1 or self.iterations < 1:
-            raise ValueError(f"expected clusters, starts and iterations of at least 1: {self}")
-        if not 0.0 < self.energy < 1.0 or not self.shortest >= 0.0:
-            raise ValueError(f"expected an energy between 0 and 1 and shortest >= 0, found {self}")
+    clusters: int = option(4, "Number of behaviours.", least=1)
+    energy: float = option(0.9, "Share of the variance that is kept.", above=0, below=1)
+    shortest: float = option(
+        1.0, "A shorter segment goes to its neighbours.", unit="seconds", least=0
+    )
+    starts: int = option(5, "Starts, of which the likeliest mixture is kept.", least=1)
+    iterations: int = option(200, "Steps of a start.", least=1)
 
     @classmethod
     def paper(cls) -> GMMOptions:

@@ -14,13 +14,15 @@ backward cut is new if it is farther than T from every forward one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
 from roundelay.base.numeric import SMALLEST
+from roundelay.base.options import Checked, option
+from roundelay.base.threads import one_thread
 from roundelay.segmentation.pca import intrinsic_dimension
 from roundelay.segmentation.thresholds import PPCA
 
@@ -30,7 +32,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class PPCAOptions:
+class PPCAOptions(Checked):
     """Parameters of the probabilistic PCA method.
 
     Parameters
@@ -50,20 +52,27 @@ class PPCAOptions:
         Put a cut that both passes find halfway between; [B] keeps the forward one.
     """
 
-    rule: Literal["ratio", "difference"] = "ratio"
-    threshold: float = 3.0
-    energy: float = 0.95
-    window: float = 1.25
-    step: float = 10 / 120
-    middle: bool = True
+    title: ClassVar[str] = "Cuts by the coming frames (ppca)"
+
+    rule: Literal["ratio", "difference"] = option(
+        "ratio", "Hold the peak over the valley against the threshold, or the peak less the valley."
+    )
+    threshold: float = option(3.0, "How far a peak must be above its valley.", above=0)
+    energy: float = option(
+        0.95, "Share of the variance that the hyperplane keeps.", above=0, below=1
+    )
+    window: float = option(
+        1.25, "Time looked ahead, and that of the first model.", unit="seconds", above=0
+    )
+    step: float = option(10 / 120, "Time by which the model grows.", unit="seconds", above=0)
+    middle: bool = option(
+        True, "Put a cut that both passes find halfway; [B] keeps the forward one."
+    )
 
     def __post_init__(self) -> None:
-        if self.rule not in ("ratio", "difference"):
-            raise ValueError(f"expected the rule 'ratio' or 'difference', found {self.rule!r}")
-        if not 0.0 < self.energy < 1.0:
-            raise ValueError(f"expected an energy between 0 and 1, found {self.energy}")
-        if not (0.0 < self.step <= self.window and self.threshold > 0.0):
-            raise ValueError(f"expected 0 < step <= window and threshold > 0, found {self}")
+        super().__post_init__()
+        if self.step > self.window:
+            raise ValueError(f"expected step <= window, found {self}")
 
     @classmethod
     def paper(cls) -> PPCAOptions:
@@ -155,6 +164,7 @@ class OnlinePPCA:
         self.curve: list[tuple[int, float]] = []
         self._restart()
 
+    @one_thread
     def push(self, frames: ArrayLike) -> list[int]:
         """Take one frame (d,) or several (n, d); return the cuts they led to."""
         known = len(self.cuts)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.numeric import GOLDEN
 from roundelay.base.spans import Spans
 from roundelay.motion.poses import principal_components, with_velocity
@@ -54,6 +55,8 @@ class PoseCloud:
     data: Array
     landmarks: Indices
     barcode: Barcode
+
+    __repr__ = brief
 
     @property
     def landmark_runs(self) -> Spans:

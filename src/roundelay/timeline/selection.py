@@ -5,6 +5,7 @@ Proposers are asked one after the other, each only if those before it led to not
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -66,14 +67,14 @@ def _held(progress: Progress | None) -> Progress | None:
     return progress and (lambda _, stage: progress(0.5, stage))
 
 
-def _asked(options: Options) -> list[Proposer]:
-    """Return the proposers that the options ask for."""
+def _asked(options: Options) -> Iterable[Proposer]:
+    """Return the proposers that the options ask for; plug-ins are looked for last."""
     if options.proposers is not None:
         return [proposers[name] for name in options.proposers]
     if options.gestures:
         return [proposers[_GESTURES]]
     never = options.gestures is not None or options.topology.class_index is not None
-    return [each for each in proposers if not (never and each.name == _GESTURES)]
+    return (each for each in proposers if not (never and each.name == _GESTURES))
 
 
 def _accepted(

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from numbers import Integral
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
+from roundelay.base.checks import expected
 from roundelay.base.errors import LiftError
+from roundelay.base.threads import one_thread
 from roundelay.topology.distances import Runs, cross_distances
 from roundelay.topology.kernel import engine
 from roundelay.topology.kernel.reduction import F32, F64, I32, U64, count_up_to, narrow_ends
@@ -18,7 +22,7 @@ from roundelay.topology.rips import Barcode
 from roundelay.topology.significance import turns
 from roundelay.topology.thresholds import COORDINATE
 
-__all__ = ["CircularCoordinate", "Smoothing", "Weights", "circular_coordinate", "turns"]
+__all__ = ["CircularCoordinate", "Smoothing", "Weights", "circular_coordinate"]
 
 Weights = Literal["density", "uniform"]
 
@@ -63,6 +67,11 @@ class CircularCoordinate:
     _anchor_phase: F64 = field(repr=False)
     _anchors: F64 | None = field(repr=False)
 
+    def __repr__(self) -> str:
+        terms = " + ".join(f"{factor} x {k}" for k, factor in self.combination)
+        which = f"class {self.class_index}" if len(self.combination) == 1 else f"classes {terms}"
+        return f"CircularCoordinate({len(self.phase)} points, {which}, scale {self.scale:.4g})"
+
     def evaluate(self, data: ArrayLike) -> F64:
         """Return the phase (m,) of new points.
 
@@ -97,6 +106,7 @@ class CircularCoordinate:
         return distances
 
 
+@one_thread
 def circular_coordinate(
     barcode: Barcode,
     *,
@@ -185,11 +195,13 @@ class Smoothing:
     values: I32
     weights: Weights
 
+    __repr__ = brief
+
     @classmethod
     def of_class(cls, barcode: Barcode, k: int, weights: Weights) -> Smoothing:
         """Lift class k and evaluate it on all edges below its death."""
-        if not 0 <= k < len(barcode):
-            raise ValueError(f"expected a class from 0 to {len(barcode) - 1}, found {k}")
+        if not (isinstance(k, Integral) and 0 <= k < len(expected(Barcode, barcode))):
+            raise ValueError(f"expected a class from 0 to {len(barcode) - 1}, found {k!r}")
         if weights not in ("density", "uniform"):
             raise ValueError(f'expected weights "density" or "uniform", found {weights!r}')
         reduction, death = barcode._reduction, float(barcode.deaths[k])

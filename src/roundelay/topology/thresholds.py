@@ -54,24 +54,10 @@ COORDINATE = _Coordinate()
 
 @dataclass(frozen=True)
 class _Significance(Thresholds):
-    """Which bars are more than noise, and which loops periodic."""
+    """Which bars are more than noise."""
 
     level: float = constant(
         0.05, unit="corrected p-value", origin="the usual level; Bobrowski and Skraba 2023"
-    )
-    turns: float = constant(
-        1.5,
-        unit="turns",
-        origin="with `forward`, brings false positives on noise from 35-82 % to 0-2 %: measured on "
-        "an Ornstein-Uhlenbeck process",
-    )
-    forward: float = constant(
-        0.8, unit="net turns over all turns", origin="the same measurement as for `turns`"
-    )
-    steps: int = constant(
-        12,
-        unit="steps a turn",
-        origin="the jitter of dense samples must not count; " + _BY_EYE,
     )
 
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from roundelay.base.threads import one_thread
 from roundelay.topology.coordinate import CircularCoordinate, Smoothing, Weights
 from roundelay.topology.kernel.reduction import F64, I64, count_up_to, ends
 from roundelay.topology.landmarks import Landmarks
@@ -21,6 +22,7 @@ from roundelay.topology.thresholds import COORDINATE, LATTICE
 __all__ = ["combined_coordinates", "toroidal_coordinates"]
 
 
+@one_thread
 def toroidal_coordinates(
     barcode: Barcode,
     *,
@@ -64,6 +66,7 @@ def toroidal_coordinates(
     return span.combined(reduce_lattice(span.gram()), landmarks)
 
 
+@one_thread
 def combined_coordinates(
     barcode: Barcode,
     coefficients: Sequence[Sequence[int]],

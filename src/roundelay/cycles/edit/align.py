@@ -13,6 +13,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.threads import one_thread
 from roundelay.cycles.contacts import standing_feet
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.thresholds import ALIGNMENT
@@ -118,6 +119,7 @@ def mapped(curve: HarmonicCurve, change: Callable[[Array], Array]) -> HarmonicCu
     )
 
 
+@one_thread
 def align(
     first: Cycle, second: Cycle, *, by: Criterion = "poses", mirror: bool = False
 ) -> Alignment:

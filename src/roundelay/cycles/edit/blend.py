@@ -15,7 +15,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import expected
 from roundelay.base.numeric import ROUNDING, SIX_DIGITS, smoothstep
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import Criterion, align, mapped
 from roundelay.cycles.thresholds import ALIGNMENT
@@ -57,10 +59,11 @@ class CycleSpace:
         """
         if not cycles:
             raise ValueError("expected at least one cycle")
-        first = cycles[0]
+        first, *_ = [expected(Cycle, cycle) for cycle in cycles]
         others = [align(first, other, by=by, mirror=mirror).cycle for other in cycles[1:]]
         return cls((first, *[_same_signs(first, other) for other in others]))
 
+    @one_thread
     def cycle(self, weights: ArrayLike) -> Cycle:
         """Return the blend (k,) of the cycles as a cycle.
 
@@ -89,6 +92,7 @@ class CycleSpace:
             evidence=None,
         )
 
+    @one_thread
     def rotations(self, weights: ArrayLike, phase: ArrayLike) -> Array:
         """Return rotations (n, J, 4) at phases (n,) with weights (k,) or one row a phase (n, k).
 
@@ -213,6 +217,7 @@ def _combined(curves: Sequence[HarmonicCurve], weights: Array) -> HarmonicCurve:
     return HarmonicCurve(longest.frequencies, constant, sine, cosine)
 
 
+@one_thread
 def blend(
     cycles: Sequence[Cycle],
     weights: ArrayLike,
@@ -224,6 +229,7 @@ def blend(
     return CycleSpace.of(cycles, by=by, mirror=mirror).cycle(weights)
 
 
+@one_thread
 def transition(
     first: Cycle,
     second: Cycle,

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from roundelay.base.numeric import smoothstep
 from roundelay.base.spans import Span, Spans, closed_spans
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.thresholds import REPAIR
 from roundelay.geometry import rotations as rot
@@ -58,6 +59,7 @@ def source_parts(cycle: Cycle, motion: Motion, *, mirror: bool = False) -> list[
     return parts + [part.mirror() for part in parts if mirror]
 
 
+@one_thread
 def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple[Mended, ...]]:
     """Part limbs of a cycle that pass through each other, by small smooth turns.
 
@@ -101,6 +103,7 @@ def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple
     )
 
 
+@one_thread
 def repaired_motion(
     motion: Motion, sources: Sequence[Motion] = ()
 ) -> tuple[Motion, tuple[Mended, ...]]:

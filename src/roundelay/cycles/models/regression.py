@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.spans import Span
+from roundelay.base.threads import one_thread
 from roundelay.cycles.continuity import Followed, fit_poses, followed_poses
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.thresholds import CYCLE
@@ -38,6 +39,7 @@ class Harmonic:
         return fit_cycle(motion, phase, runs, harmonics=count, evidence=evidence)
 
 
+@one_thread
 def fit_cycle(
     motion: Motion,
     turns: Array,

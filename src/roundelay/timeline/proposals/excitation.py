@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
 from roundelay.base.spans import Spans
+from roundelay.base.threads import one_thread
 from roundelay.motion.poses import with_velocity
 from roundelay.phase.unwrap import unwrap
 from roundelay.timeline.cloud import variance_normalised
@@ -86,6 +87,7 @@ class Excitations:
     classes: tuple[Excitation, ...]
 
 
+@one_thread
 def excitations(
     points: ArrayLike,
     fps: float,
@@ -103,7 +105,7 @@ def excitations(
     Parameters
     ----------
     points : (F, d) array_like
-        One pose a frame, as from `roundelay.motion.poses.point_cloud`.
+        One pose a frame, as from `roundelay.point_cloud`.
     fps : float
         Frames a second.
     metric : {"euclidean", "variance", "adjacent"}

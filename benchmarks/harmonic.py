@@ -54,7 +54,7 @@ from roundelay.timeline.search import Search
 Array = NDArray[np.float64]
 
 # Whose methods some functions run, which no user's path does.
-PAPERS_OWN = {"faithful": "[C] M1, M2, M3", "with_primes": "[C] M1, M2, M3"}
+LABELLED = {"faithful": "[C] M1, M2, M3", "with_primes": "[C] M1, M2, M3"}
 
 # What the method "paper" is constrained by ([C] 5.3 items 20, 21).
 CONSTRAINTS: dict[str, dict[str, bool]] = {

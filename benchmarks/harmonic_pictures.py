@@ -22,7 +22,7 @@ from roundelay.reproduction import raunio
 FAILED = ("02_01", "07_09", "16_08", "16_55", "16_57", "35_19", "35_26")
 
 # Whose methods some functions run, which no user's path does.
-PAPERS_OWN = {"pictures": "[C] M1"}
+LABELLED = {"pictures": "[C] M1"}
 
 
 def pictures(data: Path, folder: Path) -> None:

@@ -27,6 +27,7 @@ import roundelay as rl
 from benchmarks._harness import Target, parser, report
 from benchmarks.paper_a_data import FRAMES_A_SECOND, KINDS, ROWS, Row, excerpt
 from benchmarks.raunio import find_capture
+from roundelay.cycles.models import cycle_models
 from roundelay.geometry import contacts
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
@@ -36,7 +37,6 @@ from roundelay.timeline.proposals.excitation import Excitation, excitations
 
 Result = TypeVar("Result")
 METRICS = ("euclidean", "variance", "adjacent")
-METHODS: Any = ("harmonic", "centroid", "paper")
 MOST_CLASSES = 8
 TARGETS = (
     Target("parts", "==", 60, "parts of 20 concatenations"),
@@ -235,7 +235,7 @@ def trajectories(data: Path) -> list[dict[str, Any]]:
     for kind, chosen in KINDS.items():
         name, frames = chosen[0]
         motion = excerpt(data, name, frames)
-        for method in METHODS:
+        for method in cycle_models.names():
             options = rl.Options(method=method, most=1)
             found, cpu, _ = timed(lambda options=options, m=motion: rl.find_cycles(m, options))
             figures = quality(found[0], motion)

@@ -1,10 +1,12 @@
-"""Sphinx configuration; the gallery's examples and the list of benchmarks are made on build."""
+"""Sphinx configuration; the gallery's examples and all lists are made on build."""
 
 from __future__ import annotations
 
 import ast
+import json
 import runpy
 import sys
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +14,10 @@ import latex2mathml.converter
 from docutils.nodes import SkipNode
 
 import roundelay
+from roundelay.base.thresholds import constants
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
 ROOT = HERE.parent
 
 project = "roundelay"
@@ -32,7 +36,12 @@ numpydoc_show_class_members = False
 default_role = "py:obj"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
-exclude_patterns = ["_made/benchmarks.md", "_made/tree.md"]
+exclude_patterns = [
+    "_made/benchmarks.md",
+    "_made/options.md",
+    "_made/thresholds.md",
+    "_made/tree.md",
+]
 html_theme = "furo"
 html_title = "roundelay"
 html_static_path: list[str] = []
@@ -58,6 +67,8 @@ def setup(app: Any) -> None:
     app.connect("builder-inited", lambda _: _gallery(made))
     app.connect("builder-inited", lambda _: _benchmarks(made))
     app.connect("builder-inited", lambda _: _tree(made))
+    app.connect("builder-inited", lambda _: _thresholds(made))
+    app.connect("builder-inited", lambda _: _options(made))
 
 
 def _plain_bars(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
@@ -125,6 +136,46 @@ def _tree(made: Path) -> None:
         if path.name != "__init__.py" and line:
             rows.append(f"| `{path.relative_to(package)}` | {line.replace('``', '`')} |")
     (made / "tree.md").write_text("\n".join(["| module | |", "|---|---|", *rows, ""]))
+
+
+def _thresholds(made: Path) -> None:
+    """List the constants that decide results, a table a record, with what moving them changes."""
+    measured = json.loads((ROOT / "benchmarks" / "results" / "sensitivity.json").read_text())
+    moved = {row["name"]: row for row in measured["constants"]}
+    pages: list[str] = []
+    for record, inside in groupby(constants(), key=lambda one: one.name.rpartition(".")[0]):
+        rows = list(inside)
+        about = type(rows[0].record).__doc__ or ""
+        pages += [f"## {record}", "", about, ""]
+        pages += ["| constant | value | unit | origin | margin |", "|---|---|---|---|---|"]
+        for one in rows:
+            margin = "; ".join(filter(None, (one.margin, _moved(moved.get(one.name)))))
+            cells = (f"`{one.field}`", _shown(one.value), one.unit, one.origin, margin)
+            pages.append("| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |")
+        pages.append("")
+    (made / "thresholds.md").write_text("\n".join(pages))
+
+
+def _shown(value: Any) -> str:
+    return ", ".join(map(_shown, value)) if isinstance(value, tuple) else f"{value:g}"
+
+
+def _moved(row: dict[str, Any] | None) -> str:
+    """Say what a fifth less and a fifth more of a constant changes."""
+    if row is None:
+        return ""
+    less, more = (sum(row[label].values()) for label in ("x0.8", "x1.2"))
+    count = row["captures"]
+    if not less and not more:
+        return f"changes none of {count}"
+    return f"x.8 changes {less}, x1.2 {more} of {count}"
+
+
+def _options(made: Path) -> None:
+    """Write the tables of options."""
+    from tables import tables
+
+    (made / "options.md").write_text(tables())
 
 
 def _folders_last(path: Path) -> tuple[str, str]:

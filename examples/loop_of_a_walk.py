@@ -12,7 +12,7 @@ from roundelay import synth
 from roundelay.output import figures
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-made = synth.gait("walk", repetitions=3.6, seed=1)
+made = synth.gait("walk", repetitions=3.6, rng=1)
 cycle = rl.find_cycles(made.motion)[0]
 print(f"period {cycle.period:.3f} s (true {made.period:.3f}), {cycle.evidence.confidence:.0%} sure")
 print(f"seen {cycle.evidence.repetitions:.2f} times; one period travels {cycle.travel.round(2)}")

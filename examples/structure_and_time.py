@@ -13,12 +13,12 @@ from roundelay import synth
 from roundelay.output import figures
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-made = synth.gait("punch", repetitions=2.5, seed=3)
+made = synth.gait("punch", repetitions=2.5, rng=3)
 cycle = rl.find_cycles(made.motion)[0]
 
 drawn = figures.new_figure(12.0, 3.6)
-figures.density(drawn.add_subplot(1, 3, 1), cycle.evidence)
-figures.circle_density(drawn.add_subplot(1, 3, 2, projection="polar"), cycle.evidence)
-figures.period_line(drawn.add_subplot(1, 3, 3), cycle.evidence, made.motion)
+figures.density(cycle.evidence, axes=drawn.add_subplot(1, 3, 1))
+figures.circle_density(cycle.evidence, axes=drawn.add_subplot(1, 3, 2, projection="polar"))
+figures.period_line(cycle.evidence, made.motion, axes=drawn.add_subplot(1, 3, 3))
 figures.save(drawn, folder / "structure_and_time_1.png")
 figures.save(figures.remaps(made.motion, cycle.evidence), folder / "structure_and_time_2.png")

@@ -30,7 +30,7 @@ def test_the_core_runs_on_numpy_alone():
     """Blender has NumPy and nothing else."""
     code = """
 import sys
-for name in ("scipy", "sklearn", "matplotlib", "rich", "typer", "ezc3d", "ripser"):
+for name in ("scipy", "sklearn", "matplotlib", "rich", "typer", "ezc3d", "ripser", "threadpoolctl"):
     sys.modules[name] = None
 import roundelay as rl
 from roundelay import synth

@@ -34,3 +34,15 @@ def test_a_sequence_knows_its_cuts():
 def test_an_unknown_gait_is_refused():
     with pytest.raises(ValueError, match="expected a gait among"):
         synth.gait("swim")
+
+
+@pytest.mark.parametrize("made", [synth.gait, synth.wander])
+def test_random_numbers_come_from_a_seed_or_a_generator(made):
+    given = {"fps": 30.0}
+    seven = made(**given, rng=7).motion.rotations
+    for same in ({"rng": np.random.default_rng(7)}, {"seed": 7}):
+        np.testing.assert_array_equal(made(**given, **same).motion.rotations, seven)
+    assert np.abs(made(**given, rng=8).motion.rotations - seven).max() > 0.01
+    drawing = np.random.default_rng(7)
+    first, second = (made(**given, rng=drawing).motion.rotations for _ in range(2))
+    assert np.abs(first - second).max() > 0.01

@@ -61,7 +61,7 @@ def _blended(context: Context, armature: Armature, weight: float) -> bpy.types.A
     finally:
         show(armature, before)
     cycle, settings.notes = blend([first, second], [1.0 - weight, weight]), ""
-    if settings.part_limbs:
+    if settings.repair:
         cycle, settings.notes = parted(cycle, [m.with_root_motion() for m in (capture, other)])
     loop = loop_of(cycle, capture, settings, scene.render.fps / scene.render.fps_base)
     name = f"Blend {loops[0].name} {loops[1].name}"

@@ -78,7 +78,7 @@ def _extract(context: Context, armature: Armature, settings: Any, whose: str) ->
     render = context.scene.render
     fps = render.fps / render.fps_base
     try:
-        search = partial(_search, capture, options, settings.per_behaviour, settings.part_limbs)
+        search = partial(_search, capture, options, settings.per_behaviour, settings.repair)
         found = yield from threaded(search)
     except NoPeriod as refusal:
         raise NoPeriod(capture.in_scene(str(refusal))) from refusal
@@ -93,7 +93,7 @@ def _extract(context: Context, armature: Armature, settings: Any, whose: str) ->
 
 
 def _search(
-    capture: Capture, options: Options, per_behaviour: bool, part_limbs: bool, progress: Progress
+    capture: Capture, options: Options, per_behaviour: bool, repair: bool, progress: Progress
 ) -> list[tuple[Cycle, Quality, str]]:
     """Find cycles, their figures and a note on each; touches no Blender data."""
     motion = capture.motion
@@ -105,7 +105,7 @@ def _search(
         cycles = find_cycles(motion, options, progress=progress)
     progress(1.0, "measuring loops")
     made = [(cycle, "") for cycle in cycles]
-    if part_limbs:
+    if repair:
         made = [parted(cycle, source_parts(cycle, motion)) for cycle in cycles]
     return [(cycle, quality(cycle, motion), note) for cycle, note in made]
 

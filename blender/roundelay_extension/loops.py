@@ -25,7 +25,7 @@ def options_of(settings: Any) -> Options:
         prime=settings.prime,
         max_scale=settings.max_scale or None,
         scale=settings.scale or None,
-        delay=settings.delay / settings.subsample if settings.use_delay else None,
+        delay=settings.delay if settings.use_delay else None,
     )
     constrained = settings.method == "PAPER"
     return Options(

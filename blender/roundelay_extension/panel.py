@@ -120,7 +120,7 @@ class ROUNDELAY_PT_loop(_Folded, bpy.types.Panel):
                 axes.prop(settings, name)
         for name in (
             "foot_lock",
-            "part_limbs",
+            "repair",
             "mirror",
             "start_phase",
             "key_step",

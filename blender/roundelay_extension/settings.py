@@ -16,12 +16,18 @@ from bpy.props import (
     StringProperty,
 )
 
+from roundelay import LoopOptions, Options, TopologyOptions
+from roundelay.segmentation import GaussianOptions
+
+from .declared import declared, description, shared
+
 _AXIS_MODELS = [
     ("TRAVEL", "Travel", "The root moves on, with the sway of every period"),
     ("SWAY", "In Place", "The root sways, but comes back"),
     ("NONE", "None", "The root does not move"),
 ]
 _MODELS = [*_AXIS_MODELS, ("AXES", "By Axis", "Chosen for the armature's axes one by one")]
+_METHOD = declared(Options, "method")
 _METHODS = [
     ("HARMONIC", "Automatic", "Smooth regression of rotations, faded over where parts end"),
     ("PAPER", "Weighted", "Regression of angles with velocities and accelerations (Raunio 2014)"),
@@ -74,23 +80,12 @@ class Settings(bpy.types.PropertyGroup):
         min=1,
         max=100,
     )
-    most: IntProperty(
-        name="Max Loops",
-        description="Number of loops, one action each, the surest first; 0 for all",
-        default=0,
-        min=0,
-    )
+    most: shared(Options, "most")
     per_behaviour: BoolProperty(
         name="Per Behaviour", description="Cut the action into behaviours first, and search in each"
     )
-    foot_lock: BoolProperty(
-        name="Hold Feet", description="Keep standing feet where they stand", default=True
-    )
-    part_limbs: BoolProperty(
-        name="Part Limbs",
-        description="Move limbs apart that pass through each other more than in the capture",
-        default=True,
-    )
+    foot_lock: shared(LoopOptions, "foot_lock")
+    repair: shared(LoopOptions, "repair")
     travel: EnumProperty(
         name="Root", description="How the root moves over the periods of a loop", items=_MODELS
     )
@@ -110,61 +105,26 @@ class Settings(bpy.types.PropertyGroup):
     )
     use_strip: BoolProperty(name="NLA Strip", description="Put the loop on an NLA track, too")
     repeat: FloatProperty(name="Repeat", description="Repetitions in the strip", default=4, min=1)
-    max_scale: FloatProperty(
-        name="Maximal Scale",
-        description="Largest scale of the complex, in body sizes: classes born above are left out, "
-        "bars end there; 0 for all",
-        min=0.0,
-        precision=4,
-    )
-    scale: FloatProperty(
-        name="Scale",
-        description="Scale of the circular coordinate, in body sizes, within the bar of its "
-        "class; 0 for automatic",
-        min=0.0,
-        precision=4,
-    )
+    max_scale: shared(TopologyOptions, "max_scale", precision=4)
+    scale: shared(TopologyOptions, "scale", precision=4)
     use_delay: BoolProperty(
         name="Set Delay", description="Set how velocity is weighed against position"
     )
-    delay: FloatProperty(
-        name="Delay", description="In frames; 0 for poses without velocities", min=0.0
-    )
-    prime: IntProperty(
-        name="Prime", description="Cohomology has coefficients modulo this prime", default=47, min=2
-    )
-    harmonics: IntProperty(
-        name="Harmonics",
-        description="Harmonics of the joints' rotations; 0 for automatic",
-        min=0,
-        max=500,
-    )
+    delay: shared(TopologyOptions, "delay", zero=True, precision=3)
+    prime: shared(TopologyOptions, "prime")
+    harmonics: shared(Options, "harmonics")
     travel_harmonics: IntProperty(
         name="Of the Root",
         description="Harmonics of the root's travel; 0 for as many as the joints have",
         min=0,
         max=500,
     )
-    method: EnumProperty(name="Method", description="How poses become a loop", items=_METHODS)
-    velocity: BoolProperty(
-        name="Velocity",
-        description="Let the loop follow the velocities of the capture, too",
-        default=True,
-    )
-    acceleration: BoolProperty(
-        name="Acceleration",
-        description="Let the loop follow the accelerations of the capture, too",
-        default=True,
-    )
+    method: EnumProperty(name=_METHOD.label, description=description(_METHOD), items=_METHODS)
+    velocity: shared(Options, "velocity")
+    acceleration: shared(Options, "acceleration")
     use_plots: BoolProperty(name="PCA Plots", description="Write plots of poses and loops")
     plot_folder: StringProperty(name="Folder", subtype="DIR_PATH", default="//")
-    sensitivity: FloatProperty(
-        name="Sensitivity",
-        description="2 finds finer behaviours, 0.5 coarser ones",
-        default=1.0,
-        min=0.05,
-        max=20.0,
-    )
+    sensitivity: shared(GaussianOptions, "sensitivity", soft_max=20.0)
     cuts_to: EnumProperty(
         name="Cuts To",
         items=[

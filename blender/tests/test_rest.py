@@ -12,6 +12,8 @@ import roundelay
 from conftest import CAPTURES, MODULE
 from inside import curves_of, extract, keys_of, pose_at
 from rigs import choose, pendulum
+from roundelay.base.options import leaves
+from roundelay.segmentation import GaussianOptions
 
 
 def test_behaviours_as_markers(jumps):
@@ -191,7 +193,7 @@ def test_limbs_are_parted_if_wanted(jumps, monkeypatch, wanted):
 
     monkeypatch.setattr(sys.modules[f"{MODULE}.loops"], "repaired", repaired)
     settings = bpy.context.scene.roundelay
-    settings.part_limbs = wanted
+    settings.repair = wanted
     extract()
     (cycle,) = roundelay.find_cycles(roundelay.read(CAPTURES / "01_01.bvh"))
     assert asked == ([[stop - start for start, stop in cycle.evidence.runs]] if wanted else [])
@@ -216,3 +218,30 @@ def test_blend_lies_between(jumps):
     assert lengths[0.0] == pytest.approx(first.frame_end - first.frame_start, abs=1)
     assert lengths[1.0] == pytest.approx(second.frame_end - second.frame_start, abs=1)
     assert min(lengths[0.0], lengths[1.0]) <= lengths[0.5] <= max(lengths[0.0], lengths[1.0])
+
+
+def test_what_is_shared_is_as_the_library_declares_it():
+    held, seen = bpy.context.scene.roundelay.bl_rna.properties, []
+    for options in (roundelay.Options, roundelay.LoopOptions, GaussianOptions):
+        for one in leaves(options):
+            if one.name in held:
+                seen.append(one.name)
+                found = held[one.name]
+                assert found.name == one.label
+                assert found.description.startswith(one.known.text.rstrip("."))
+                assert one.known.unit in found.description
+                if one.default is not None and found.type != "ENUM":
+                    assert found.default == one.default
+                if one.known.most is not None:
+                    assert found.hard_max == one.known.most
+    assert {"most", "prime", "scale", "delay", "repair", "method", "sensitivity"} <= set(seen)
+
+
+def test_a_delay_is_in_seconds_whatever_frames_are_used(extension):
+    settings = bpy.context.scene.roundelay
+    options_of = sys.modules[f"{MODULE}.loops"].options_of
+    assert options_of(settings).topology.delay is None
+    settings.use_delay, settings.delay, settings.subsample = True, 0.25, 4
+    assert options_of(settings).topology.delay == 0.25
+    settings.delay = 0.0
+    assert options_of(settings).topology.delay == 0.0

@@ -6,9 +6,9 @@ import sys
 def main() -> None:
     """Run the command line; interrupted, even while it is loaded, end without a traceback."""
     try:
-        from roundelay.cli import main as command_line
+        from roundelay.cli import app
 
-        command_line()
+        app()
     except KeyboardInterrupt:
         sys.exit(130)
 

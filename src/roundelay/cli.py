@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import os
 import sys
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn, cast
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from roundelay.commands.blend import blend, transition
-from roundelay.commands.common import BAD_INPUT, INTERRUPTED
+from roundelay.commands.common import BAD_INPUT, INTERRUPTED, one_line_errors
 from roundelay.commands.convert import convert
 from roundelay.commands.excitations import excitations
 from roundelay.commands.inspect import inspect
 from roundelay.commands.library import library
+from roundelay.commands.listing import filled
 from roundelay.commands.loop import loop
 from roundelay.commands.search import search
 from roundelay.commands.segment import segment
 from roundelay.commands.view import view
 
-__all__ = ["main"]
+__all__ = ["app"]
 
 # What a wrong command line raises: Typer has no public name for it.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
@@ -37,6 +37,16 @@ class _Commands(TyperGroup):
         except typer.Abort:
             code = INTERRUPTED
         sys.exit(code)
+
+
+class _Command(TyperCommand):
+    """A command whose help lists what is registered, looked for when the help is shown."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        with one_line_errors():
+            for parameter in cast("list[Any]", self.params):
+                parameter.help = parameter.help and filled(parameter.help)
+        super().format_help(ctx, formatter)
 
 
 def _refuse(error: Any) -> NoReturn:
@@ -68,7 +78,7 @@ for command in (
     search,
     convert,
 ):
-    app.command()(command)
+    app.command(cls=_Command)(command)
 
 
 def _version(wanted: bool) -> None:
@@ -86,12 +96,3 @@ def _options(
     ] = False,
 ) -> None:
     pass
-
-
-def main() -> None:
-    """Run the command line."""
-    # The matrices here are small: threads of the linear algebra would only get in each
-    # other's way. Set before numpy is loaded, unless the user has.
-    for threads in ("OPENBLAS", "MKL", "OMP"):
-        os.environ.setdefault(f"{threads}_NUM_THREADS", "1")
-    app()

@@ -18,8 +18,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.checks import expected
 from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.progress import Progress, report
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.models import cycle_models
 from roundelay.motion.motion import Motion
@@ -41,6 +43,7 @@ __all__ = [
 ]
 
 
+@one_thread
 def find_cycles(
     motion: Motion, options: Options | None = None, *, progress: Progress | None = None
 ) -> list[Cycle]:
@@ -72,7 +75,8 @@ def find_cycles(
     Cancelled
         If `progress` returned False.
     """
-    options, motion = options or Options(), motion.with_root_motion()
+    options = expected(Options, options or Options())
+    motion = expected(Motion, motion).with_root_motion()
     model = cycle_models[options.method]
     search = Search.of_take(motion, options)
     found = find_evidence(search, progress)
@@ -90,6 +94,7 @@ def find_cycles(
     return cycles
 
 
+@one_thread
 def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = None) -> Cycle:
     """Make the cycle of what `find_periodic` or `roundelay.timeline.inspection.inspect` found.
 
@@ -107,11 +112,13 @@ def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = Non
     ValueError
         If an option is out of range.
     """
-    options, motion = options or Options(), motion.with_root_motion()
-    phase = _phase(Search.of_take(motion, options), evidence)
+    options = expected(Options, options or Options())
+    motion = expected(Motion, motion).with_root_motion()
+    phase = _phase(Search.of_take(motion, options), expected(Evidence, evidence))
     return cycle_models[options.method].fit(motion, phase, evidence, options)
 
 
+@one_thread
 def find_periodic(
     take: Motion | Poses, options: Options | None = None, *, progress: Progress | None = None
 ) -> list[Evidence]:
@@ -143,6 +150,7 @@ def _phase(search: Search, evidence: Evidence) -> NDArray[np.float64]:
     return time_phase(own.points, evidence.turns, evidence.runs, frame_time=1.0 / search.fps)
 
 
+@one_thread
 def with_periods(
     found: Segmentation,
     motion: Motion,
@@ -181,6 +189,7 @@ def with_periods(
     return replace(found, segments=tuple(segments))
 
 
+@one_thread
 def cycles_in_segments(
     found: Segmentation,
     motion: Motion,

@@ -15,13 +15,15 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion, concatenate
 
 __all__ = ["Gait", "Synthetic", "gait", "humanoid", "sequence", "wander"]
 
-Array = NDArray[np.float64]
+_Array = NDArray[np.float64]
+_Rng = int | np.random.Generator
 Gait = Literal["walk", "run", "jacks", "punch", "spin"]
 
 # Joint: amplitudes in radians of (swing about x, raise about z) and phase of the swing.
@@ -72,10 +74,12 @@ class Synthetic:
     """
 
     motion: Motion
-    phase: Array
+    phase: _Array
     period: float
     cuts: tuple[int, ...] = ()
     labels: tuple[str, ...] = ()
+
+    __repr__ = brief
 
 
 def humanoid() -> Skeleton:
@@ -120,7 +124,8 @@ def gait(
     turning: float = 0.0,
     unevenness: float = 0.0,
     noise: float = 0.0,
-    seed: int = 0,
+    rng: _Rng = 0,
+    seed: _Rng | None = None,
 ) -> Synthetic:
     """Make a periodic motion.
 
@@ -142,8 +147,10 @@ def gait(
         Relative amplitude, below 1, by which the poses' pace varies within a period.
     noise : float
         Standard deviation of white noise on every joint, in radians.
-    seed : int
-        Of the noise and of the small details that set one seed's gait apart.
+    rng : int or numpy.random.Generator
+        Draws the noise and the small details that set one seed's gait apart.
+    seed : int, optional
+        The same by its former name.
 
     Returns
     -------
@@ -151,7 +158,7 @@ def gait(
     """
     if kind not in get_args(Gait):
         raise ValueError(f"expected a gait among {get_args(Gait)}, found {kind!r}")
-    rng = np.random.default_rng(seed)
+    draw = np.random.default_rng(rng if seed is None else seed)
     seconds, stride = _PACE[kind]
     seconds = seconds if period is None else period
     frames = max(2, round(repetitions * seconds * fps))
@@ -159,9 +166,9 @@ def gait(
     # Poses run ahead of time and fall behind, once a period.
     shape = phase + unevenness * np.sin(2 * np.pi * phase) / (2 * np.pi)
     skeleton = humanoid()
-    rotations = _poses(kind, skeleton, shape, rng)
+    rotations = _poses(kind, skeleton, shape, draw)
     if noise > 0.0:
-        shake = rng.normal(scale=noise, size=(frames, skeleton.n_joints, 3))
+        shake = draw.normal(scale=noise, size=(frames, skeleton.n_joints, 3))
         rotations = rot.multiply(rotations, rot.from_rotation_vector(shake))
     heading = turning * phase + (2 * np.pi * phase if kind == "spin" else 0.0)
     up = np.array([0.0, 1.0, 0.0])
@@ -171,15 +178,17 @@ def gait(
     return Synthetic(motion, phase, seconds, (), (kind,))
 
 
-def wander(seconds: float = 10.0, *, fps: float = 120.0, seed: int = 0) -> Synthetic:
+def wander(
+    seconds: float = 10.0, *, fps: float = 120.0, rng: _Rng = 0, seed: _Rng | None = None
+) -> Synthetic:
     """Make a motion with no period: every joint drifts about its rest by itself.
 
     A smooth stationary process, an Ornstein-Uhlenbeck process filtered once more, with a
-    correlation time of half a second.
+    correlation time of half a second. `rng` and `seed` are as for `gait`.
     """
-    rng = np.random.default_rng(seed)
+    draw = np.random.default_rng(rng if seed is None else seed)
     skeleton, frames = humanoid(), max(2, round(seconds * fps))
-    vectors = rng.normal(size=(frames + round(5 * fps), skeleton.n_joints, 3))
+    vectors = draw.normal(size=(frames + round(5 * fps), skeleton.n_joints, 3))
     keep = np.exp(-1.0 / (0.5 * fps))
     for _ in range(2):
         for frame in range(1, len(vectors)):
@@ -224,7 +233,7 @@ def _blended(first: Motion, second: Motion, frames: int) -> Motion:
     return concatenate([first, eased])
 
 
-def _poses(kind: str, skeleton: Skeleton, shape: Array, rng: np.random.Generator) -> Array:
+def _poses(kind: str, skeleton: Skeleton, shape: _Array, rng: np.random.Generator) -> _Array:
     """Return rotations (F, J, 4) of a gait at unwrapped shape phases."""
     vectors = np.zeros((len(shape), skeleton.n_joints, 3))
     mirrored = kind in ("walk", "run", "punch")
@@ -241,7 +250,7 @@ def _poses(kind: str, skeleton: Skeleton, shape: Array, rng: np.random.Generator
     return rot.from_rotation_vector(vectors)
 
 
-def _path(stride: float, phase: Array, turning: float, shape: Array) -> Array:
+def _path(stride: float, phase: _Array, turning: float, shape: _Array) -> _Array:
     """Return a path that bends by `turning` a period, with the hips' bob."""
     path = np.zeros((len(phase), 3))
     # Integral of the heading (sin, 0, cos) at constant speed.

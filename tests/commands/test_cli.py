@@ -68,7 +68,12 @@ def test_a_loop_for_engines(walk, tmp_path):
 
 def test_json_is_all_that_is_printed(walk, tmp_path):
     result = runner.invoke(app, ["loop", str(walk), "-o", str(tmp_path), "--json", "--no-picture"])
-    assert json.loads(result.stdout)["cycles"][0]["files"] == ["walk_loop.bvh"]
+    (cycle,) = json.loads(result.stdout)["cycles"]
+    assert cycle["files"] == ["walk_loop.bvh"]
+    # Programs read these by name.
+    assert cycle["period_seconds"] == pytest.approx(1.1, rel=0.01)
+    assert (cycle["repetitions"] > 2.0, 0.5 < cycle["confidence"] <= 1.0) == (True, True)
+    assert cycle["parts"] == [[0, 343]]
 
 
 def test_sampling_options(walk, tmp_path):
@@ -102,9 +107,15 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
         (["loop", "{walk}", "--frames", "0:9999"], "frames within"),
         (["loop", "{walk}", "--joints", "Tail"], "no joint 'Tail'"),
         (["loop", "{walk}", "--prime", "48"], "prime"),
-        (["loop", "{walk}", "--fps", "-1"], "positive frame rate"),
-        (["loop", "{walk}", "--format", "fbx"], "expected a format among"),
-        (["loop", "{walk}", "--fps", "1e9"], "positive frame rate"),
+        (
+            ["loop", "{walk}", "--fps", "-1"],
+            "expected fps as a number, more than 0 and at most 10000",
+        ),
+        (
+            ["loop", "{walk}", "--format", "fbx"],
+            "expected a format among",
+        ),
+        (["loop", "{walk}", "--fps", "1e9"], "in frames a second, or None, found 1000000000.0"),
         (["loop", "{walk}", "--delay", "-1"], "expected delay as a number, at least 0, in seconds"),
         (["loop", "{walk}", "--dimensions", "0"], "expected dimensions as a whole number"),
         (["loop", "{walk}", "--dimensions", "2.5"], "number of dimensions"),
@@ -112,16 +123,16 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
         (["loop", "{walk}", "-o", "{walk}"], "{walk}: expected a folder, found a file"),
         (["loop", "{walk}", "--periods", "0"], "'--periods'"),
         (["loop", "{walk}", "--fps", "fast"], "'--fps'"),
-        (["loop", "{walk}", "--bogus"], "--bogus; see "),
+        (["loop", "{walk}", "--zzz"], "--zzz; see "),
         (["loop"], "missing argument"),
         (["polka"], "no such command 'polka'"),
         (["loop", "{readme}"], "file of type"),
         (["loop", "{out}"], "file of type"),
         (["view", "{walk}", "-o", "{out}"], "{out}: expected a file, found a folder"),
         (["search", "{walk}", "{out}"], "no library.json in it"),
-        (["blend", "{walk}", "{walk}", "-o", "{out}/b.bvh", "--weights", "1"], "2 numbers"),
+        (["blend", "{walk}", "{walk}", "-o", "{out}/b.bvh", "--shares", "1"], "2 numbers"),
         (["convert", "{walk}", "{out}/walk.fbx"], "file of type"),
-        (["convert", "{walk}", "{out}/walk.bvh", "--scale", "0"], "positive scale"),
+        (["convert", "{walk}", "{out}/walk.bvh", "--resize", "0"], "expected resize as a number"),
         (["convert", "{walk}", "{out}/walk.bvh", "--frames", "9:3"], "frames within"),
     ],
 )
@@ -159,7 +170,7 @@ def test_convert_there_and_back(walk, tmp_path):
 
 def test_convert_resamples_crops_and_scales(walk, tmp_path):
     target = tmp_path / "small.bvh"
-    arguments = ["--fps", "30", "--frames", "10:250", "--scale", "0.01"]
+    arguments = ["--fps", "30", "--frames", "10:250", "--resize", "0.01"]
     result = runner.invoke(app, ["convert", str(walk), str(target), *arguments])
     assert result.exit_code == 0, result.output
     small = rl.read(target)

@@ -50,14 +50,15 @@ def test_json_is_all_that_is_printed(capture, tmp_path):
 
 @pytest.mark.parametrize("method", ["pca", "ppca", "gmm", "ppca-paper"])
 def test_other_methods(capture, tmp_path, method):
-    result = run(capture, "-o", tmp_path, "--method", method)
+    result = run(capture, "-o", tmp_path, "--cut-by", method)
     assert result.exit_code == 0, result.output
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--method", "magic"], "expected a method among"),
+        (["--cut-by", "magic"], "expected a segmentation method among"),
+        (["--cut-by", "pca", "--sensitivity", "2"], "expected options of the method 'gaussian'"),
         (["--joints", "tail"], "no joint 'tail'"),
         (["--segments", "99"], "expected at most"),
     ],
@@ -94,7 +95,15 @@ def test_t_pose_in_front_changes_nothing():
 
 
 def test_loop_in_every_segment(capture, tmp_path):
-    arguments = ["loop", str(capture), "-o", str(tmp_path), "--segments", "--no-picture", "--json"]
+    arguments = [
+        "loop",
+        str(capture),
+        "-o",
+        str(tmp_path),
+        "--per-behaviour",
+        "--no-picture",
+        "--json",
+    ]
     result = runner.invoke(app, arguments)
     assert result.exit_code == 0, result.output
     cycles = json.loads(result.stdout)["cycles"]
@@ -105,8 +114,8 @@ def test_loop_in_every_segment(capture, tmp_path):
     assert all((tmp_path / cycle["files"][0]).exists() for cycle in cycles)
 
 
-def test_frames_and_segments_do_not_go_together(capture, tmp_path):
-    arguments = ["loop", str(capture), "-o", str(tmp_path), "--segments", "--frames", "0:500"]
+def test_frames_and_behaviours_do_not_go_together(capture, tmp_path):
+    arguments = ["loop", str(capture), "-o", str(tmp_path), "--per-behaviour", "--frames", "0:500"]
     result = runner.invoke(app, arguments)
     assert result.exit_code == 2
     assert "found both" in result.stderr

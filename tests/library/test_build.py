@@ -233,7 +233,7 @@ def test_bad_sources_are_refused(tmp_path):
         rl.build_library(tmp_path / "a.txt", tmp_path / "library")
     with pytest.raises(ValueError, match="at least one job"):
         rl.build_library(tmp_path, tmp_path / "library", jobs=0)
-    with pytest.raises(ValueError, match="positive frame rate"):
+    with pytest.raises(ValueError, match="expected fps as a number, more than 0"):
         rl.LoopOptions(fps=0.0)
     with pytest.raises(ValueError, match="found 'fbx'"):
         rl.LoopOptions(file_format="fbx")

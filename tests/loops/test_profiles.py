@@ -11,7 +11,12 @@ import roundelay as rl
 from roundelay import synth
 from roundelay.cycles.edit.separate import Mended
 from roundelay.geometry.collision import collisions
-from roundelay.loops.profiles import foot_contacts, playback_record
+from roundelay.loops.options import LoopOptions
+from roundelay.loops.profiles import foot_contacts, profiles
+
+
+def told_of(cycle: rl.Cycle, *, mended: tuple[Mended, ...] = (), **sampling) -> dict:
+    return profiles["generic"].record(cycle, LoopOptions(**sampling), mended)
 
 
 @pytest.fixture(scope="module")
@@ -20,14 +25,14 @@ def walk() -> rl.Cycle:
 
 
 def test_root_motion_and_markers(walk):
-    told = playback_record(walk, 30, periods=2, repeat_first=True)
+    told = told_of(walk, fps=30, periods=2, repeat_first=True)
     loop = walk.sample(30, periods=2, repeat_first=True)
     assert told["frames"] == 2 * told["frames_per_period"] == len(loop) - 1
     moved = loop.root_path[told["frames_per_period"]] - loop.root_path[0]
     assert np.allclose(told["root_motion"]["travel"], moved, atol=1e-6)
     assert told["root_motion"]["turning_degrees"] == pytest.approx(np.degrees(0.4), abs=0.5)
     assert [marker["phase"] for marker in told["markers"]] == [0.0, 0.25, 0.5, 0.75]
-    assert not playback_record(walk, in_place=True)["root_motion"]["in_file"]
+    assert not told_of(walk, in_place=True)["root_motion"]["in_file"]
 
 
 def test_feet_of_a_real_jump_stand_in_its_frames(jump_cycles):
@@ -40,11 +45,11 @@ def test_feet_of_a_real_jump_stand_in_its_frames(jump_cycles):
 
 
 def test_bones_that_meet_are_told(walk):
-    assert playback_record(walk)["collisions"] == []
+    assert told_of(walk)["collisions"] == []
     # Legs that go out to their sides cross once the sides are exchanged.
     jacks = rl.find_cycles(synth.gait("jacks").motion)[0]
     exchanged = replace(jacks.skeleton, offsets=jacks.skeleton.offsets * [-1.0, 1.0, 1.0])
-    told = playback_record(replace(jacks, skeleton=exchanged))["collisions"]
+    told = told_of(replace(jacks, skeleton=exchanged))["collisions"]
     assert ["LeftLeg", "RightLeg"] in [one["bones"] for one in told]
     for one in told:
         assert one["frames"][0] <= one["deepest"] < one["frames"][1]
@@ -52,16 +57,16 @@ def test_bones_that_meet_are_told(walk):
 
 def test_bones_that_were_moved_apart_are_told_in_frames(walk):
     mended = Mended(("LeftHand", "LeftUpLeg"), ((0.1, 0.2), (1.0, 1.201)), np.radians(2.0))
-    (told,) = playback_record(walk, 30, mended=[mended])["mended"]
+    (told,) = told_of(walk, fps=30, mended=(mended,))["mended"]
     assert told["bones"] == ["LeftHand", "LeftUpLeg"]
     assert told["frames"] == [[3, 6], [30, 36]]
     assert told["largest_degrees"] == pytest.approx(2.0)
-    assert playback_record(walk)["mended"] == []
+    assert told_of(walk)["mended"] == []
 
 
 def test_what_is_told_is_what_is_in_the_loop(jump_cycles):
     for cycle in jump_cycles:
         loop = cycle.sample(24.0)
         met = collisions(loop.skeleton, loop.rotations)
-        told = playback_record(cycle, 24.0)["collisions"]
+        told = told_of(cycle, fps=24.0)["collisions"]
         assert [tuple(one["bones"]) for one in told] == [one.bones for one in met]

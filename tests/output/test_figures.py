@@ -14,6 +14,7 @@ from roundelay.motion.features import point_cloud
 from roundelay.output.figures.palette import phase_colours
 from roundelay.segmentation import segment
 from roundelay.timeline.proposals.excitation import Excitations, excitations
+from roundelay.topology import persistent_cohomology
 
 
 @pytest.fixture(scope="module")
@@ -34,27 +35,43 @@ def painted(figure) -> float:
 
 
 AXES = {
-    "barcode": lambda axes, cycle, walk: figures.barcode(axes, cycle.evidence.barcode),
-    "coordinate": lambda axes, cycle, walk: figures.coordinate(axes, cycle.evidence, walk),
-    "plane": lambda axes, cycle, walk: figures.plane(axes, cycle, walk),
-    "density": lambda axes, cycle, walk: figures.density(axes, cycle.evidence),
-    "period line": lambda axes, cycle, walk: figures.period_line(axes, cycle.evidence, walk),
-    "trajectory": lambda axes, cycle, walk: figures.typical_trajectory(axes, cycle, walk),
-    "diagram": lambda axes, cycle, walk: figures.persistence_diagram(axes, cycle.evidence.barcode),
+    "barcode": lambda axes, cycle, walk: figures.barcode(cycle.evidence.barcode, axes=axes),
+    "coordinate": lambda axes, cycle, walk: figures.coordinate(cycle.evidence, walk, axes=axes),
+    "plane": lambda axes, cycle, walk: figures.plane(cycle, walk, axes=axes),
+    "density": lambda axes, cycle, walk: figures.density(cycle.evidence, axes=axes),
+    "circle": lambda axes, cycle, walk: figures.circle_density(cycle.evidence, axes=axes),
+    "period line": lambda axes, cycle, walk: figures.period_line(cycle.evidence, walk, axes=axes),
+    "trajectory": lambda axes, cycle, walk: figures.typical_trajectory(cycle, walk, axes=axes),
+    "diagram": lambda axes, cycle, walk: figures.persistence_diagram(
+        cycle.evidence.barcode, axes=axes
+    ),
+    "curve": lambda axes, cycle, walk: figures.method_curve(segment(walk), axes=axes),
+    "behaviours": lambda axes, cycle, walk: figures.behaviours(segment(walk), axes=axes),
 }
 
 
 @pytest.mark.parametrize("name", AXES)
 def test_drawn_into_axes(name, cycle, walk):
     figure = figures.new_figure(5.0, 4.0)
-    AXES[name](figure.subplots(), cycle, walk)
+    axes = figure.add_subplot(projection="polar" if name == "circle" else None)
+    assert AXES[name](axes, cycle, walk) is axes
     assert painted(figure) > 0.01
 
 
-def test_drawn_around_the_circle(cycle):
-    figure = figures.new_figure(4.0, 4.0)
-    figures.circle_density(figure.add_subplot(projection="polar"), cycle.evidence)
-    assert painted(figure) > 0.01
+@pytest.mark.parametrize("name", AXES)
+def test_drawn_on_axes_of_their_own(name, cycle, walk):
+    axes = AXES[name](None, cycle, walk)
+    assert axes.name == ("polar" if name == "circle" else "rectilinear")
+    assert painted(axes.figure) > 0.01
+
+
+def test_bars_that_never_end_are_drawn_to_the_largest_scale():
+    round_and_round = np.exp(2j * np.pi * np.arange(40) / 40)
+    points = np.column_stack((round_and_round.real, round_and_round.imag))
+    bars = persistent_cohomology(points, max_scale=0.8)
+    assert np.isinf(bars.deaths[0])
+    assert figures.barcode(bars, unit="m").lines[0].get_xdata()[1] == pytest.approx(0.8)
+    assert figures.persistence_diagram(bars, unit="m").get_ylim()[1] == pytest.approx(0.84)
 
 
 WHOLE = {
@@ -92,7 +109,7 @@ def test_excitations_have_a_row_a_class(walk, cycle):
 def test_the_density_is_one(cycle):
     figure = figures.new_figure(4.0, 4.0)
     axes = figure.subplots()
-    figures.density(axes, cycle.evidence)
+    figures.density(cycle.evidence, axes=axes)
     x, y = axes.lines[0].get_data()
     assert np.mean(y) * (x[-1] - x[0]) == pytest.approx(1.0, abs=0.05)
 

@@ -8,6 +8,7 @@ from roundelay.segmentation.gaussian import GaussianOptions, gaussian_cuts
 from roundelay.segmentation.labels import recurring_labels
 from roundelay.segmentation.model import GaussianModel
 from roundelay.segmentation.moments import Moments
+from roundelay.segmentation.thresholds import GAUSSIAN
 
 
 def model_of(capture):
@@ -47,8 +48,9 @@ def test_cuts_keep_the_shortest_segment(capture):
 def test_forgetting_keeps_recent_and_best():
     reached, age = np.arange(200.0), np.linspace(100.0, 0.0, 200)
     keep = gaussian._remembered(reached, age)
-    assert keep[age <= gaussian._MEMORY].all()
-    assert np.flatnonzero(keep[age > gaussian._MEMORY]).tolist() == list(range(gaussian._VETERANS))
+    old = age > GAUSSIAN.memory
+    assert keep[~old].all()
+    assert np.flatnonzero(keep[old]).tolist() == list(range(GAUSSIAN.veterans))
 
 
 def test_labels_merge_same_clouds_only():

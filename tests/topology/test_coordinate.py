@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from clouds import closed_curve, torus
-from roundelay.topology import persistent_cohomology
-from roundelay.topology.coordinate import CircularCoordinate, circular_coordinate, turns
+from roundelay.topology import persistent_cohomology, turns
+from roundelay.topology.coordinate import CircularCoordinate, circular_coordinate
 from roundelay.topology.lattice import reduce_lattice
 from roundelay.topology.toroidal import combined_coordinates, toroidal_coordinates
 

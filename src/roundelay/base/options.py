@@ -12,14 +12,14 @@ from functools import cache
 from math import isfinite
 from numbers import Integral, Real
 from types import NoneType, UnionType
-from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
-__all__ = ["Checked", "Described", "choices", "default_of", "described", "option"]
+__all__ = ["Checked", "Declared", "Described", "choices", "declared", "leaves", "option"]
 
 
 @dataclass(frozen=True)
 class Described:
-    """What is known of an option besides its type.
+    """What is known of an option besides its name, type and default.
 
     Parameters
     ----------
@@ -29,10 +29,14 @@ class Described:
         Of its values; empty where they have none.
     least, most : float, optional
         Values it may have, both allowed.
-    above : float, optional
-        Values must be larger than this.
+    above, below : float, optional
+        Values must be larger, or smaller, than this.
     flag : str
         Its name on the command line; empty for the field's own.
+    label : str
+        Its name in a panel; empty for the field's own.
+    form : str
+        How it is written on the command line, where its type does not tell.
     """
 
     text: str
@@ -40,15 +44,21 @@ class Described:
     least: float | None = None
     most: float | None = None
     above: float | None = None
+    below: float | None = None
     flag: str = ""
+    label: str = ""
+    form: str = ""
 
     @property
     def range(self) -> str:
         """The values allowed, in words; empty where all are."""
-        low = "" if self.least is None else f"at least {self.least:g}"
-        low = low if self.above is None else f"more than {self.above:g}"
-        high = "" if self.most is None else f"at most {self.most:g}"
-        return " and ".join(filter(None, (low, high)))
+        bounds = {
+            "at least": self.least,
+            "more than": self.above,
+            "at most": self.most,
+            "less than": self.below,
+        }
+        return " and ".join(f"{word} {x:g}" for word, x in bounds.items() if x is not None)
 
     def allows(self, value: float) -> bool:
         """Tell whether a number is in the range, and finite."""
@@ -57,11 +67,81 @@ class Described:
             and (self.least is None or value >= self.least)
             and (self.most is None or value <= self.most)
             and (self.above is None or value > self.above)
+            and (self.below is None or value < self.below)
         )
 
 
+@dataclass(frozen=True)
+class Declared:
+    """An option as it is declared.
+
+    Parameters
+    ----------
+    name : str
+        Of the field.
+    kind : type
+        What its values are.
+    default : object
+    known : Described
+        The same object for all that share a declaration.
+    """
+
+    name: str
+    kind: Any
+    default: Any
+    known: Described
+
+    @property
+    def flag(self) -> str:
+        """The name on the command line, without its dashes in front."""
+        return self.known.flag or self.name.replace("_", "-")
+
+    @property
+    def label(self) -> str:
+        """The name in a panel."""
+        return self.known.label or self.name.replace("_", " ").title()
+
+    @property
+    def options(self) -> type[Checked] | None:
+        """The dataclass that its values are of; None if it is an option by itself."""
+        is_class = isinstance(self.kind, type) and issubclass(self.kind, Checked)
+        return self.kind if is_class else None
+
+    def __str__(self) -> str:
+        """Say what values it may have: type, range, unit."""
+        words = " or ".join(_in_words(one) for one in choices(self.kind) if one is not NoneType)
+        unit = f"in {self.known.unit}" if self.known.unit else ""
+        none = "or None" if NoneType in choices(self.kind) else ""
+        return ", ".join(filter(None, (words, self.known.range, unit, none)))
+
+    def checked(self, value: Any) -> Any:
+        """Return a value in plain Python: lists as tuples, NumPy's numbers as those of Python.
+
+        Raises
+        ------
+        ValueError
+            If it has not the type, or is out of range: what was expected, and what was found.
+        """
+        plain = _plain(value)
+        numbers = plain if isinstance(plain, tuple) else (plain,)
+        inside = all(self.known.allows(x) for x in numbers if _is_number(x))
+        if not (inside and _fits(plain, self.kind)):
+            raise ValueError(f"expected {self.name} as {self}, found {plain!r}")
+        return plain
+
+
 def option(default: Any, text: str, **known: Any) -> Any:
-    """Declare a field of a `Checked` dataclass; further arguments as for `Described`."""
+    """Declare a field of a `Checked` dataclass.
+
+    Parameters
+    ----------
+    default : object
+        A class is called without arguments for the default.
+    text : str
+        What it does, in one sentence for users.
+    **known
+        Further arguments of `Described`.
+    """
     metadata = {"option": Described(text, **known)}
     if isinstance(default, type):
         return field(default_factory=default, metadata=metadata)
@@ -71,6 +151,11 @@ def option(default: Any, text: str, **known: Any) -> Any:
 class Checked:
     """Check the fields of a frozen dataclass when it is made.
 
+    Attributes
+    ----------
+    title : str
+        What the options are about, as a heading.
+
     Raises
     ------
     ValueError
@@ -78,36 +163,40 @@ class Checked:
         and what was found.
     """
 
+    title: ClassVar[str]
+
     def __post_init__(self) -> None:
         """Check all fields; lists become tuples, and NumPy's numbers those of Python."""
-        for one, kind, known in described(type(self)):
-            value = _plain(getattr(self, one.name))
-            object.__setattr__(self, one.name, value)
-            if not _fits(value, kind):
-                raise ValueError(f"expected {one.name} {_in_words(kind, known)}, found {value!r}")
-            numbers = value if isinstance(value, tuple) else (value,)
-            if not all(known.allows(x) for x in numbers if _is_number(x)):
-                raise ValueError(f"expected {one.name} {_in_words(kind, known)}, found {value!r}")
+        for one in declared(type(self)):
+            object.__setattr__(self, one.name, one.checked(getattr(self, one.name)))
 
 
-def described(options: type) -> Iterator[tuple[Field[Any], Any, Described]]:
-    """Iterate over the declared fields of a dataclass: field, type, and what is known of it."""
-    kinds = _hints(options)
-    for one in fields(options):
-        if "option" in one.metadata:
-            yield one, kinds[one.name], one.metadata["option"]
+def declared(options: type) -> tuple[Declared, ...]:
+    """Return the options that a dataclass declares."""
+    return _declared(options)
 
 
 @cache
-def _hints(options: type) -> dict[str, Any]:
-    return get_type_hints(options)
+def _declared(options: type) -> tuple[Declared, ...]:
+    kinds = get_type_hints(options)
+    return tuple(
+        Declared(one.name, kinds[one.name], _default_of(one), one.metadata["option"])
+        for one in fields(options)
+        if "option" in one.metadata
+    )
 
 
-def default_of(one: Field[Any]) -> Any:
-    """Return the default value of a field."""
-    if one.default_factory is not MISSING:
-        return one.default_factory()
-    return one.default
+def leaves(options: type) -> Iterator[Declared]:
+    """Iterate over the options of a dataclass and of those that it holds."""
+    for one in declared(options):
+        if one.options is None:
+            yield one
+        else:
+            yield from leaves(one.options)
+
+
+def _default_of(one: Field[Any]) -> Any:
+    return one.default if one.default_factory is MISSING else one.default_factory()
 
 
 def choices(kind: Any) -> tuple[Any, ...]:
@@ -118,6 +207,8 @@ def choices(kind: Any) -> tuple[Any, ...]:
 def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return tuple(_plain(inside) for inside in value)
+    if hasattr(value, "tolist"):  # an array of NumPy, or one of its numbers
+        return _plain(value.tolist())
     if isinstance(value, bool | int | float):
         return value
     if isinstance(value, Integral):
@@ -137,12 +228,7 @@ def _fits_one(value: Any, kind: Any) -> bool:
     if get_origin(kind) is Literal:
         return isinstance(value, str) and value in get_args(kind)
     if get_origin(kind) is tuple:
-        inside = get_args(kind)
-        if not isinstance(value, tuple):
-            return False
-        if inside[-1] is Ellipsis:
-            return all(_fits(x, inside[0]) for x in value)
-        return len(value) == len(inside) and all(map(_fits, value, inside))
+        return isinstance(value, tuple) and _fits_inside(value, get_args(kind))
     if kind is float:
         return _is_number(value)
     if kind is int:
@@ -150,26 +236,22 @@ def _fits_one(value: Any, kind: Any) -> bool:
     return isinstance(value, kind)
 
 
-def _in_words(kind: Any, known: Described) -> str:
-    """Say what values an option may have."""
-    words = [_kind_in_words(one) for one in choices(kind) if one is not NoneType]
-    text = " or ".join(words)
-    if known.range:
-        text += f", {known.range}"
-    if known.unit:
-        text += f", in {known.unit}"
-    return text + (", or None" if NoneType in choices(kind) else "")
+def _fits_inside(values: tuple[Any, ...], kinds: tuple[Any, ...]) -> bool:
+    if kinds[-1] is Ellipsis:
+        return all(_fits(x, kinds[0]) for x in values)
+    return len(values) == len(kinds) and all(map(_fits, values, kinds))
 
 
-def _kind_in_words(kind: Any) -> str:
+def _in_words(kind: Any) -> str:
     if get_origin(kind) is Literal:
-        return "among " + ", ".join(repr(name) for name in get_args(kind))
+        return "one of " + ", ".join(repr(name) for name in get_args(kind))
     if get_origin(kind) is tuple:
-        return "as a tuple of " + _kind_in_words(get_args(kind)[0])
-    names = {
-        float: "as a number",
-        int: "as a whole number",
-        bool: "as True or False",
-        str: "as text",
-    }
-    return names.get(kind, f"as {kind.__name__}")
+        inside = get_args(kind)
+        words = [" or ".join(map(_in_words, choices(x))) for x in inside if x is not Ellipsis]
+        return (
+            f"a tuple, each {words[0]}"
+            if len(words) < len(inside)
+            else (f"a pair of {' and '.join(words)}")
+        )
+    names = {float: "a number", int: "a whole number", bool: "True or False", str: "text"}
+    return "None" if kind is NoneType else names.get(kind, f"a {kind.__name__}")

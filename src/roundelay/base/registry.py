@@ -6,17 +6,21 @@ object in the entry points of its own package::
     [project.entry-points."roundelay.readers"]
     tracker = "my_package:TrackerReader"
 
-The object is an instance with a `name`, or a class that makes one without arguments.
+The object is an instance with a `name`, or a class that makes one without arguments. Entry points
+are looked up once, when something is asked for that roundelay does not bring itself.
 """
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from importlib.metadata import EntryPoint, entry_points
-from typing import Generic, Protocol, TypeVar
+from functools import cache
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from roundelay.base.errors import RoundelayWarning
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 __all__ = ["Named", "Registry"]
 
@@ -43,7 +47,7 @@ class Registry(Generic[Item]):
     group : str
         The group of entry points by which plug-ins bring further ones; these come last.
     protocol : type
-        What each must be: a runtime-checkable Protocol.
+        What each must be: a Protocol.
     """
 
     def __init__(self, kind: str, group: str, protocol: type) -> None:
@@ -57,13 +61,11 @@ class Registry(Generic[Item]):
         Raises
         ------
         TypeError
-            If it lacks a method of the protocol.
+            If it lacks a name or a method of the protocol.
         ValueError
             If its name is taken.
         """
-        self._check(item)
-        if item.name in self._own:
-            raise ValueError(f"expected a new name for a {self.kind}, found {item.name!r}")
+        self._check(item, self._own | (self._brought or {}))
         self._own[item.name] = item
         return item
 
@@ -79,7 +81,7 @@ class Registry(Generic[Item]):
 
     def __iter__(self) -> Iterator[Item]:
         yield from self._own.values()
-        yield from (item for name, item in self._plugged().items() if name not in self._own)
+        yield from self._plugged().values()
 
     def names(self) -> tuple[str, ...]:
         """Return all names."""
@@ -98,30 +100,47 @@ class Registry(Generic[Item]):
                 return item
         raise ValueError(f"expected a {self.kind} among {self.names()}, found {name!r}")
 
-    def _check(self, item: object) -> None:
-        if not isinstance(item, self.protocol):
-            lacking = [x for x in _members(self.protocol) if not hasattr(item, x)]
+    def _check(self, item: Any, taken: dict[str, Item]) -> None:
+        """Refuse what lacks a part of the protocol, or bears no name or one that is taken."""
+        lacking = [name for name in _members(self.protocol) if getattr(item, name, None) is None]
+        if lacking:
             raise TypeError(f"expected a {self.kind} with {', '.join(lacking)}, found {item!r}")
+        if not (isinstance(item.name, str) and item.name):
+            raise TypeError(f"expected text as the name of a {self.kind}, found {item.name!r}")
+        if item.name in taken:
+            raise ValueError(f"expected a new name for a {self.kind}, found {item.name!r}")
 
     def _plugged(self) -> dict[str, Item]:
         """Load the plug-ins when first asked; one that fails costs a warning, not the program."""
         if self._brought is None:
-            self._brought = {}
-            for point in entry_points(group=self.group):
+            brought: dict[str, Item] = {}
+            faults = []
+            for point in _entry_points().select(group=self.group):
                 try:
-                    item = self._loaded(point)
-                except Exception as error:
-                    text = f"{self.kind} {point.name!r} of {point.value} cannot be used: {error}"
-                    warnings.warn(text, RoundelayWarning, stacklevel=2)
+                    item = self._loaded(point, self._own | brought)
+                # SystemExit: some modules end the program where they cannot be used.
+                except (Exception, SystemExit) as error:
+                    faults.append(f"{self.kind} {point.name!r} of {point.value}: {error}")
                 else:
-                    self._brought.setdefault(item.name, item)
+                    brought[item.name] = item
+            self._brought = brought
+            for fault in faults:
+                warnings.warn(f"a plug-in cannot be used: {fault}", RoundelayWarning, stacklevel=3)
         return self._brought
 
-    def _loaded(self, point: EntryPoint) -> Item:
+    def _loaded(self, point: EntryPoint, taken: dict[str, Item]) -> Item:
         loaded = point.load()
         item: Item = loaded() if isinstance(loaded, type) else loaded
-        self._check(item)
+        self._check(item, taken)
         return item
+
+
+@cache
+def _entry_points() -> Any:
+    """Look up the entry points of all packages, once: it takes time, as does the import."""
+    from importlib.metadata import entry_points
+
+    return entry_points()
 
 
 def _members(protocol: type) -> list[str]:

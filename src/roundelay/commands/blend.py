@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from roundelay.commands.common import one_line_errors, output_directory, read_capture
-from roundelay.commands.limbs import Repair, print_limbs
-from roundelay.commands.loop import Fps, InPlace, RepeatFirst
+from roundelay.commands.common import File, one_line_errors, output_directory, read_capture
+from roundelay.commands.limbs import print_limbs
+from roundelay.commands.options import all_but, only, takes
+from roundelay.cycles.edit.options import BlendOptions, TransitionOptions
+from roundelay.loops.options import LoopOptions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,43 +22,18 @@ if TYPE_CHECKING:
 
 Captures = Annotated[
     list[Path],
-    typer.Argument(metavar="CAPTURE", help="BVH or AMC files, one cycle each.", show_default=False),
-]
-Weights = Annotated[
-    str | None,
-    typer.Option(help="One share a capture, with commas; equal by default.", show_default=False),
-]
-Align = Annotated[
-    str, typer.Option(help="What agrees at equal phases: poses, or contacts of the feet.")
-]
-Mirror = Annotated[
-    bool, typer.Option("--mirror", help="Exchange left and right where that fits better.")
-]
-Output = Annotated[
-    Path,
-    typer.Option(
-        "-o", "--output", help="File to write: BVH, AMC, GLB or GLTF.", show_default=False
-    ),
+    typer.Argument(metavar="CAPTURE", help="{readers} files, one cycle each.", show_default=False),
 ]
 First = Annotated[
-    Path, typer.Argument(metavar="FIRST", help="A BVH or AMC file.", show_default=False)
+    Path, typer.Argument(metavar="FIRST", help="A {readers} file.", show_default=False)
 ]
 Second = Annotated[
-    Path, typer.Argument(metavar="SECOND", help="A BVH or AMC file.", show_default=False)
+    Path, typer.Argument(metavar="SECOND", help="A {readers} file.", show_default=False)
 ]
 
 
-def blend(
-    captures: Captures,
-    output: Output,
-    weights: Weights = None,
-    align: Align = "poses",
-    mirror: Mirror = False,
-    fps: Fps = None,
-    in_place: InPlace = False,
-    repeat_first: RepeatFirst = False,
-    repair: Repair = True,
-) -> None:
+@takes(mixing=BlendOptions, written=all_but(LoopOptions, "file_format", "profile"))
+def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: LoopOptions) -> None:
     """Blend the best cycles of several captures and write the loop.
 
     The cycles are brought into phase and heading with the first; rotations are averaged on the
@@ -66,30 +44,28 @@ def blend(
         from roundelay.cycles.edit.blend import blend as blend_cycles
         from roundelay.cycles.edit.separate import repaired
         from roundelay.formats import write
-        from roundelay.loops.profiles import playback_record
+        from roundelay.loops.profiles import limb_record
 
-        shares = _shares(weights, len(captures))
-        cycles, sources = _best_cycles(captures, mirror)
-        mixed = blend_cycles(cycles, shares, by=align, mirror=mirror)  # type: ignore[arg-type]
-        mixed, mended = repaired(mixed, sources) if repair else (mixed, ())
-        loop = mixed.sample(fps, in_place=in_place, repeat_first=repeat_first)
-        output_directory(output.parent)
-        write(loop, output)
-        typer.echo(f"{output}: {len(loop)} frames, period {mixed.period:.2f} s")
-        print_limbs(playback_record(mixed, fps, mended=mended))
+        shares = _shares(mixing, len(captures))
+        cycles, sources = _best_cycles(captures, mixing.mirror)
+        mixed = blend_cycles(cycles, shares, by=mixing.by, mirror=mixing.mirror)
+        mixed, mended = repaired(mixed, sources) if written.repair else (mixed, ())
+        loop = mixed.sample(**written.sampling)
+        output_directory(file.parent)
+        write(loop, file)
+        typer.echo(f"{file}: {len(loop)} frames, period {mixed.period:.2f} s")
+        parted = mixed.sample(written.fps, foot_lock=written.foot_lock)
+        print_limbs(limb_record(parted, mended))
 
 
+@takes(joining=TransitionOptions, written=only(LoopOptions, "fps", "repair"))
 def transition(
     first: First,
     second: Second,
-    output: Output,
-    seconds: Annotated[float, typer.Option(help="How long the transition lasts.")] = 0.5,
-    before: Annotated[float, typer.Option(help="Seconds of the first cycle before it.")] = 1.0,
-    after: Annotated[float, typer.Option(help="Seconds of the second cycle after it.")] = 1.0,
-    align: Align = "poses",
-    mirror: Mirror = False,
-    fps: Fps = None,
-    repair: Repair = True,
+    file: File,
+    *,
+    joining: TransitionOptions,
+    written: LoopOptions,
 ) -> None:
     """Go from the best cycle of one capture to that of another, the phase running on."""
     with one_line_errors():
@@ -98,21 +74,12 @@ def transition(
         from roundelay.formats import write
         from roundelay.loops.profiles import limb_record
 
-        (start, end), sources = _best_cycles([first, second], mirror)
-        motion = make_transition(
-            start,
-            end,
-            seconds,
-            before=before,
-            after=after,
-            fps=fps,
-            by=align,  # type: ignore[arg-type]
-            mirror=mirror,
-        )
-        motion, mended = repaired_motion(motion, sources) if repair else (motion, ())
-        output_directory(output.parent)
-        write(motion, output)
-        typer.echo(f"{output}: {len(motion)} frames at {motion.fps:.4g} fps")
+        (start, end), sources = _best_cycles([first, second], joining.mirror)
+        motion = make_transition(start, end, **asdict(joining), fps=written.fps)
+        motion, mended = repaired_motion(motion, sources) if written.repair else (motion, ())
+        output_directory(file.parent)
+        write(motion, file)
+        typer.echo(f"{file}: {len(motion)} frames at {motion.fps:.4g} fps")
         print_limbs(limb_record(motion, mended))
 
 
@@ -133,15 +100,8 @@ def _best_cycles(paths: Sequence[Path], mirror: bool) -> tuple[list[Cycle], list
     return cycles, sources
 
 
-def _shares(text: str | None, count: int) -> list[float]:
-    if text is None:
-        return [1.0 / count] * count
-    try:
-        shares = [float(part) for part in text.split(",")]
-        if len(shares) != count:
-            raise ValueError
-    except ValueError:
-        raise ValueError(
-            f"expected weights as {count} numbers with commas, found {text!r}"
-        ) from None
+def _shares(mixing: BlendOptions, count: int) -> Sequence[float]:
+    shares = mixing.shares or [1.0 / count] * count
+    if len(shares) != count:
+        raise ValueError(f"expected shares as {count} numbers, found {len(shares)}")
     return shares

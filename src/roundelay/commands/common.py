@@ -23,11 +23,11 @@ __all__ = [
     "NO_PERIOD",
     "Capture",
     "Directory",
-    "Frames",
+    "File",
     "Json",
+    "Picture",
     "Skeleton",
     "fail",
-    "frame_range",
     "one_line_errors",
     "output_directory",
     "print_capture",
@@ -39,7 +39,7 @@ __all__ = [
 BAD_INPUT, NO_PERIOD, INTERRUPTED = 2, 3, 130
 
 Capture = Annotated[
-    Path, typer.Argument(metavar="CAPTURE", help="A BVH or AMC file.", show_default=False)
+    Path, typer.Argument(metavar="CAPTURE", help="A {readers} file.", show_default=False)
 ]
 Skeleton = Annotated[
     Path | None,
@@ -48,15 +48,12 @@ Skeleton = Annotated[
 Directory = Annotated[
     Path, typer.Option("-o", "--output", help="Folder for the results; made if need be.")
 ]
-Frames = Annotated[
-    str | None,
-    typer.Option(
-        help="Look at frames START:STOP only (from 0, STOP left out).",
-        metavar="START:STOP",
-        show_default=False,
-    ),
+File = Annotated[
+    Path,
+    typer.Option("-o", "--file", help="File to write: BVH, AMC, GLB or GLTF.", show_default=False),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the results as JSON.")]
+Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
 
 
 def fail(message: str, code: int = BAD_INPUT) -> NoReturn:
@@ -69,13 +66,15 @@ def fail(message: str, code: int = BAD_INPUT) -> NoReturn:
 def one_line_errors(capture: Path | None = None) -> Iterator[None]:
     """Turn errors of the input into one line and exit code 2, warnings into one line each.
 
+    The work inside is done with one thread, also what draws its results.
     Errors that name no file themselves are those of `capture`, if that is given.
     """
     from roundelay.base.errors import FormatError, NoPeriod, RoundelayError
+    from roundelay.base.threads import one_thread
 
     named = "" if capture is None else f"{capture}: "
 
-    with warnings.catch_warnings():
+    with one_thread, warnings.catch_warnings():
         warnings.showwarning = _show_warning
         try:
             yield
@@ -102,28 +101,6 @@ def read_capture(path: Path, skeleton: Path | None) -> Motion:
     from roundelay.formats import read
 
     return read(path, skeleton=skeleton)
-
-
-def frame_range(text: str | None, frames: int) -> tuple[int, int] | None:
-    """Read START:STOP; either may be left out.
-
-    Raises
-    ------
-    ValueError
-        If the text is not of this form, or the frames are not all there.
-    """
-    if text is None:
-        return None
-    start, colon, stop = text.partition(":")
-    try:
-        if not colon:
-            raise ValueError
-        first, last = int(start or 0), int(stop or frames)
-    except ValueError:
-        raise ValueError(f"expected frames as START:STOP, found {text!r}") from None
-    if not 0 <= first < last <= frames:
-        raise ValueError(f"expected frames within 0 and {frames}, found {first} to {last}")
-    return first, last
 
 
 def output_directory(path: Path) -> Path:

@@ -2,40 +2,56 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import typer
 
+from roundelay.base.options import Checked, option
 from roundelay.commands.common import (
     Capture,
-    Frames,
     Skeleton,
-    frame_range,
     one_line_errors,
     output_directory,
     read_capture,
 )
+from roundelay.commands.options import only, takes
+from roundelay.loops.options import LoopOptions
+from roundelay.timeline.options import Options
 
 Target = Annotated[
     Path,
-    typer.Argument(
-        metavar="TARGET", help="The BVH, AMC, GLB or GLTF file to write.", show_default=False
-    ),
+    typer.Argument(metavar="TARGET", help="The {writers} file to write.", show_default=False),
 ]
-Fps = Annotated[float | None, typer.Option(help="Resample to this rate.", show_default=False)]
-Scale = Annotated[float, typer.Option(help="Multiply every length.")]
 
 
+@dataclass(frozen=True)
+class ConvertOptions(Checked):
+    """Choices of a conversion.
+
+    Parameters
+    ----------
+    resize : float
+        Factor of every length.
+    """
+
+    title: ClassVar[str] = "What is changed"
+
+    resize: float = option(1.0, "Multiply every length by this.", above=0)
+
+
+@takes(search=only(Options, "frames"), written=only(LoopOptions, "fps"), change=ConvertOptions)
 def convert(
     capture: Capture,
     target: Target,
     skeleton: Skeleton = None,
-    frames: Frames = None,
-    fps: Fps = None,
-    scale: Scale = 1.0,
+    *,
+    search: Options,
+    written: LoopOptions,
+    change: ConvertOptions,
 ) -> None:
-    """Convert a capture to BVH, AMC or glTF, resampled, cropped or scaled.
+    """Convert a capture to another format, resampled, cropped or scaled.
 
     An AMC gets its ASF beside it, of the same name.
     """
@@ -43,13 +59,13 @@ def convert(
         from roundelay.formats import write
 
         motion = read_capture(capture, skeleton)
-        wanted = frame_range(frames, len(motion))
+        wanted = search.span(len(motion))
         if wanted is not None:
             motion = motion[slice(*wanted)]
-        if scale != 1.0:
-            motion = motion.scaled(scale)
-        if fps is not None:
-            motion = motion.resample(fps)
+        if change.resize != 1.0:
+            motion = motion.scaled(change.resize)
+        if written.fps is not None:
+            motion = motion.resample(written.fps)
         output_directory(target.parent)
         write(motion, target)
         typer.echo(f"{target}: {len(motion)} frames at {motion.fps:.4g} fps")

@@ -2,56 +2,44 @@
 
 from __future__ import annotations
 
+from math import pi
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from roundelay.commands.common import (
     Capture,
     Directory,
-    Frames,
     Json,
+    Picture,
     Skeleton,
-    frame_range,
     one_line_errors,
     output_directory,
     print_capture,
     print_json,
     read_capture,
 )
-from roundelay.commands.loop import Picture
-from roundelay.commands.options import Joints, Metric, Prime
+from roundelay.commands.options import only, takes
+from roundelay.timeline.options import Options, ShownOptions
 
 if TYPE_CHECKING:
     from roundelay.timeline.proposals.excitation import Excitation
 
-Poses = Annotated[
-    bool, typer.Option("--poses", help="Look at poses alone, as [A] does, without velocities.")
-]
-Count = Annotated[
-    int | None,
-    typer.Option(
-        "--classes",
-        help="So many; by default those that stand out from noise.",
-        min=1,
-        show_default=False,
-    ),
-]
+# Seconds of a typical period, by which velocity is weighed unless told otherwise.
+_PERIOD = 1.0
 
 
+@takes(search=only(Options, "frames", "joints", "metric", "delay", "prime"), shown=ShownOptions)
 def excitations(
     capture: Capture,
     output: Directory = Path("."),
     skeleton: Skeleton = None,
-    frames: Frames = None,
-    joints: Joints = None,
-    metric: Metric = "euclidean",
-    poses: Poses = False,
-    classes: Count = None,
-    prime: Prime = 47,
     picture: Picture = True,
     json: Json = False,
+    *,
+    search: Options,
+    shown: ShownOptions,
 ) -> None:
     """Show the classes of a whole capture and the frames in which the coordinate of each turns.
 
@@ -65,23 +53,23 @@ def excitations(
 
     with one_line_errors(capture):
         motion = read_capture(capture, skeleton).with_root_motion()
-        first, last = frame_range(frames, len(motion)) or (0, len(motion))
-        folder = output_directory(output)
-        chosen = None if joints is None else motion.skeleton.indices(joints.split(","))
+        first, last = search.span(len(motion)) or (0, len(motion))
+        folder, topology = output_directory(output), search.topology
+        chosen = None if search.joints is None else motion.skeleton.indices(search.joints)
         found = find_excitations(
             point_cloud(motion, joints=chosen)[first:last],
             motion.fps,
-            metric=metric,  # type: ignore[arg-type]
-            period=0.0 if poses else 1.0,
-            classes=classes,
-            prime=prime,
+            metric=topology.metric,
+            period=_PERIOD if topology.delay is None else 2.0 * pi * topology.delay,
+            classes=shown.classes,
+            prime=topology.prime,
         )
         options = {
-            "joints": None if joints is None else joints.split(","),
-            "metric": metric,
-            "poses": poses,
-            "classes": classes,
-            "prime": prime,
+            "joints": search.joints,
+            "metric": topology.metric,
+            "delay": topology.delay,
+            "classes": shown.classes,
+            "prime": topology.prime,
         }
         record = capture_record(motion, capture, options) | {
             "frames": [first, last],

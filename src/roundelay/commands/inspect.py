@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -11,6 +11,7 @@ from roundelay.commands.common import (
     Capture,
     Directory,
     Json,
+    Picture,
     Skeleton,
     one_line_errors,
     output_directory,
@@ -19,26 +20,30 @@ from roundelay.commands.common import (
     progress_bar,
     read_capture,
 )
-from roundelay.commands.loop import Picture
-from roundelay.commands.options import SearchOptions, takes_search
+from roundelay.commands.options import all_but, takes
+from roundelay.timeline.options import Options, ShownOptions
 
 if TYPE_CHECKING:
     from roundelay.timeline.evidence import Evidence
     from roundelay.timeline.inspection import Inspection
 
-Shown = Annotated[int, typer.Option("--classes", help="Classes to follow for each motion.", min=1)]
+# Classes followed for each motion unless told how many.
+_CLASSES = 5
 
 
-@takes_search
+@takes(
+    search=all_but(Options, "method", "harmonics", "velocity", "acceleration"),
+    shown=ShownOptions,
+)
 def inspect(
     capture: Capture,
     output: Directory = Path("."),
     skeleton: Skeleton = None,
-    classes: Shown = 5,
     picture: Picture = True,
     json: Json = False,
     *,
-    search: SearchOptions,
+    search: Options,
+    shown: ShownOptions,
 ) -> None:
     """Show the barcode of every motion and the coordinate of each of its classes.
 
@@ -53,9 +58,9 @@ def inspect(
     with one_line_errors(capture):
         with progress_bar(quiet=json):
             motion = read_capture(capture, skeleton)
-            options, folder = search.resolved(motion), output_directory(output)
-            found = inspect_motion(motion, options, most=classes)
-        record = _record(motion, capture, options, found)
+            folder = output_directory(output)
+            found = inspect_motion(motion, search, most=shown.classes or _CLASSES)
+        record = _record(motion, capture, search, found)
         from roundelay.output.records import write_json
 
         write_json(record, folder / f"{capture.stem}_inspect.json")
@@ -71,7 +76,9 @@ def inspect(
                 _print_table(number, item, motion.fps)
 
 
-def _record(motion: Any, capture: Path, options: Any, found: list[Inspection]) -> dict[str, Any]:
+def _record(
+    motion: Any, capture: Path, options: Options, found: list[Inspection]
+) -> dict[str, Any]:
     from roundelay.output.records import capture_record, evidence_record
 
     motions = [

@@ -15,13 +15,14 @@ from roundelay.commands.common import (
     BAD_INPUT,
     INTERRUPTED,
     NO_PERIOD,
+    Directory,
     Json,
     fail,
     one_line_errors,
     print_json,
 )
-from roundelay.commands.limbs import Repair
-from roundelay.commands.loop import Format, Fps, InPlace, RepeatFirst
+from roundelay.commands.options import all_but, takes
+from roundelay.loops.options import LoopOptions
 
 if TYPE_CHECKING:
     from roundelay.base.progress import Progress
@@ -31,13 +32,9 @@ Sources = Annotated[
     list[Path],
     typer.Argument(
         metavar="FOLDER|FILE",
-        help="Folders, searched to any depth for BVH and AMC files, or such files.",
+        help="Folders, searched to any depth for {readers} files, or such files.",
         show_default=False,
     ),
-]
-Output = Annotated[
-    Path,
-    typer.Option("-o", "--output", help="Folder of the library; made if need be."),
 ]
 Jobs = Annotated[
     int | None,
@@ -46,17 +43,15 @@ Jobs = Annotated[
 Again = Annotated[bool, typer.Option("--again", help="Do again what an earlier run did.")]
 
 
+@takes(written=all_but(LoopOptions, "profile"))
 def library(
     sources: Sources,
-    output: Output,
+    output: Directory,
     jobs: Jobs = None,
-    fps: Fps = None,
-    in_place: InPlace = False,
-    repeat_first: RepeatFirst = False,
-    repair: Repair = True,
-    file_format: Format = "bvh",
     again: Again = False,
     json: Json = False,
+    *,
+    written: LoopOptions,
 ) -> None:
     """Cut, label and loop all captures below folders; group alike cycles; make them searchable.
 
@@ -67,17 +62,16 @@ def library(
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found; 130:
     interrupted.
     """
-    from roundelay.library import LoopOptions, build_library
+    from roundelay.library import build_library
 
     with one_line_errors():
         started = time.monotonic()
-        options = LoopOptions(fps, in_place, repeat_first, repair, file_format)
         try:
             with _bar(quiet=json) as progress:
                 made = build_library(
                     sources,
                     output,
-                    options,
+                    written,
                     jobs=jobs,
                     again=again,
                     progress=progress,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +13,7 @@ from roundelay.commands.common import (
     Capture,
     Directory,
     Json,
+    Picture,
     Skeleton,
     one_line_errors,
     output_directory,
@@ -20,77 +22,38 @@ from roundelay.commands.common import (
     progress_bar,
     read_capture,
 )
-from roundelay.commands.limbs import Repair, print_limbs
-from roundelay.commands.options import SearchOptions, takes_search
+from roundelay.commands.limbs import print_limbs
+from roundelay.commands.options import takes
+from roundelay.loops.options import LoopOptions
+from roundelay.timeline.options import Options
 
 if TYPE_CHECKING:
     from roundelay.base.errors import NoPeriod
     from roundelay.base.progress import Progress
     from roundelay.cycles.cycle import Cycle
     from roundelay.cycles.edit.separate import Mended
+    from roundelay.loops.profiles import Profile
     from roundelay.motion.motion import Motion
-    from roundelay.timeline.options import Options
 
-Most = Annotated[
-    int | None, typer.Option("--classes", help="At most so many loops.", min=1, show_default=False)
+PerBehaviour = Annotated[
+    bool,
+    typer.Option("--per-behaviour", help="Cut into behaviours first; loops of each by itself."),
 ]
-Harmonics = Annotated[
-    int | None, typer.Option(help="Harmonics of the cycle.", min=1, max=500, show_default=False)
-]
-Method = Annotated[
-    str,
-    typer.Option(
-        help="harmonic: a smooth regression; centroid: means of poses, as in [A]; paper: the "
-        "weighted regression of [C]."
-    ),
-]
-Velocity = Annotated[bool, typer.Option(help="Constrain the method paper by velocities, as [C].")]
-Acceleration = Annotated[
-    bool, typer.Option(help="Constrain the method paper by accelerations, as [C].")
-]
-InPlace = Annotated[
-    bool, typer.Option("--in-place/--travel", help="Leave the root's travel out, or keep it.")
-]
-Fps = Annotated[
-    float | None,
-    typer.Option(help="Frame rate of the loop; the capture's by default.", show_default=False),
-]
-Periods = Annotated[int, typer.Option(help="Periods in the written loop.", min=1, max=1000)]
-RepeatFirst = Annotated[
-    bool, typer.Option("--repeat-first", help="Let the last frame repeat the first.")
-]
-Segments = Annotated[
-    bool, typer.Option("--segments", help="Cut into behaviours first; loops of each by itself.")
-]
-Format = Annotated[str, typer.Option("--format", help="bvh, amc, glb or gltf.")]
-Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
 Gif = Annotated[bool, typer.Option("--gif", help="Write each loop as a moving picture, too.")]
 
-_FORMATS = ("bvh", "amc", "glb", "gltf")
 
-
-@takes_search
+@takes(search=Options, written=LoopOptions)
 def loop(
     capture: Capture,
     output: Directory = Path("."),
     skeleton: Skeleton = None,
-    classes: Most = None,
-    harmonics: Harmonics = None,
-    method: Method = "harmonic",
-    velocity: Velocity = True,
-    acceleration: Acceleration = True,
-    in_place: InPlace = False,
-    fps: Fps = None,
-    periods: Periods = 1,
-    repeat_first: RepeatFirst = False,
-    segments: Segments = False,
-    repair: Repair = True,
-    file_format: Format = "bvh",
+    per_behaviour: PerBehaviour = False,
     picture: Picture = True,
     gif: Gif = False,
     json: Json = False,
     *,
-    search: SearchOptions,
+    search: Options,
+    written: LoopOptions,
 ) -> None:
     """Find the periodic motions of a capture and write a seamless loop of each.
 
@@ -100,33 +63,19 @@ def loop(
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found.
     """
     from roundelay.base.errors import NoPeriod
+    from roundelay.loops.profiles import profiles
 
     with one_line_errors(capture):
-        if file_format not in _FORMATS:
-            raise ValueError(f"expected a format among {_FORMATS}, found {file_format!r}")
+        profile = profiles[written.profile]
         with progress_bar(quiet=json) as progress:
             motion = read_capture(capture, skeleton)
-            options = search.resolved(
-                motion,
-                harmonics=harmonics,
-                method=method,
-                velocity=velocity,
-                acceleration=acceleration,
-                most=classes,
-            )
             folder = output_directory(output)
             try:
-                cycles = _cycles(motion, options, segments, progress)
+                cycles = _cycles(motion, search, per_behaviour, progress)
             except NoPeriod as refusal:
-                _refuse(motion, capture, folder, options, refusal, json)
-        sampling = {
-            "fps": fps,
-            "periods": periods,
-            "in_place": in_place,
-            "repeat_first": repeat_first,
-        }
-        loops = [_repaired(motion, cycle) if repair else (cycle, ()) for cycle in cycles]
-        record = _write(motion, capture, folder, options, loops, sampling, file_format, picture)
+                _refuse(motion, capture, folder, search, refusal, json)
+        loops = [_repaired(motion, one) if written.repair else (one, ()) for one in cycles]
+        record = _write(motion, capture, folder, search, loops, written, profile, picture)
         if gif:
             _animate(record, [cycle for cycle, _ in loops], folder)
         if json:
@@ -136,16 +85,16 @@ def loop(
 
 
 def _cycles(
-    motion: Motion, options: Options, segments: bool, progress: Progress | None
+    motion: Motion, options: Options, per_behaviour: bool, progress: Progress | None
 ) -> list[Cycle]:
     """Find the cycles of the whole capture, or of each of its segments."""
     from roundelay.pipeline import cycles_in_segments, find_cycles
     from roundelay.segmentation import segment
 
-    if not segments:
+    if not per_behaviour:
         return find_cycles(motion, options, progress=progress)
     if options.frames is not None:
-        raise ValueError("expected --frames or --segments, found both")
+        raise ValueError("expected --frames or --per-behaviour, found both")
     return cycles_in_segments(segment(motion), motion, options, progress=progress)
 
 
@@ -179,24 +128,23 @@ def _write(
     folder: Path,
     options: Options,
     loops: list[tuple[Cycle, tuple[Mended, ...]]],
-    sampling: dict[str, Any],
-    file_format: str,
+    written: LoopOptions,
+    profile: Profile,
     picture: bool,
 ) -> dict[str, Any]:
     """Write loops, picture and record; return the record."""
     from roundelay.formats import write
-    from roundelay.loops.profiles import playback_record
     from roundelay.loops.quality import quality
     from roundelay.output.records import capture_record, cycle_record, write_json
 
     base = f"{capture.stem}_loop"
-    record = capture_record(motion, capture, options) | {"sampling": sampling, "cycles": []}
+    record = capture_record(motion, capture, options) | {"sampling": asdict(written), "cycles": []}
     for number, (cycle, mended) in enumerate(loops, 1):
-        path = folder / f"{base}{number if number > 1 else ''}.{file_format}"
-        sampled = cycle.sample(**sampling)
+        path = folder / f"{base}{number if number > 1 else ''}.{written.file_format}"
+        sampled = cycle.sample(**written.sampling)
         write(sampled, path)
         entry = cycle_record(cycle, quality(cycle, motion), [path])
-        playback = playback_record(cycle, **sampling, mended=mended)
+        playback = profile.record(cycle, written, mended)
         record["cycles"].append(entry | {"loop_frames": len(sampled), "playback": playback})
     if picture:
         from roundelay.output.figures import overview, save

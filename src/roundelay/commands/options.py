@@ -1,170 +1,184 @@
-"""Options of the search that several commands share: all automatic unless given."""
+"""Options of commands, made from the dataclasses that declare them: no default is told twice."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import wraps
-from inspect import signature
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from inspect import Parameter, signature
+from types import NoneType
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 import typer
 
-from roundelay.commands.common import Frames, frame_range
+from roundelay.base.options import Checked, Declared, choices, declared, leaves
+from roundelay.commands.common import one_line_errors
 
-if TYPE_CHECKING:
-    from roundelay.motion.motion import Motion
-    from roundelay.timeline.options import Options
+__all__ = ["Taken", "all_but", "help_of", "only", "taken_by", "takes"]
 
-__all__ = ["Joints", "Metric", "Prime", "SearchOptions", "takes_search"]
-
-_SEARCH = "What repeats"
-
-Joints = Annotated[
-    str | None,
-    typer.Option(
-        help="Joints that decide what repeats, with commas.",
-        show_default=False,
-        rich_help_panel=_SEARCH,
-    ),
-]
-Features = Annotated[
-    str,
-    typer.Option(
-        help="What a pose is: positions, heading, quaternions or angles.", rich_help_panel=_SEARCH
-    ),
-]
-Weights = Annotated[
-    str,
-    typer.Option(help="Weigh joints: none, length or mass.", rich_help_panel=_SEARCH),
-]
-Metric = Annotated[
-    str,
-    typer.Option(
-        help="Distance of poses: euclidean, variance or adjacent.", rich_help_panel=_SEARCH
-    ),
-]
-Dimensions = Annotated[
-    float | None,
-    typer.Option(
-        help="Principal axes to project on, or the share of variance (below 1) they hold.",
-        show_default=False,
-        rich_help_panel=_SEARCH,
-    ),
-]
-Delay = Annotated[
-    float | None,
-    typer.Option(
-        help="Seconds by which velocity is weighed against position; 0 for poses alone.",
-        show_default=False,
-        rich_help_panel=_SEARCH,
-    ),
-]
-Delays = Annotated[
-    int | None,
-    typer.Option(
-        help="Delays over half a period, instead of velocities.",
-        min=1,
-        show_default=False,
-        rich_help_panel=_SEARCH,
-    ),
-]
-Prime = Annotated[
-    int,
-    typer.Option(help="Coefficients are integers modulo this prime.", rich_help_panel=_SEARCH),
-]
-Class = Annotated[
-    int | None,
-    typer.Option(
-        "--class",
-        help="Use this bar, 0 being the longest; see inspect.",
-        min=0,
-        show_default=False,
-        rich_help_panel=_SEARCH,
-    ),
-]
-MaxScale = Annotated[
-    float | None,
-    typer.Option(
-        help="Largest scale of the filtration, in body sizes: bars end there.",
-        show_default=False,
-        rich_help_panel=_SEARCH,
-    ),
-]
-Scale = Annotated[
-    float | None,
-    typer.Option(
-        help="Scale of the circular coordinate, in body sizes.",
-        show_default=False,
-        rich_help_panel=_SEARCH,
-    ),
-]
-Gestures = Annotated[
-    bool | None,
-    typer.Option(
-        "--gestures/--no-gestures",
-        help="Look for what recurs with something else between, or never; "
-        "by default where nothing is periodic.",
-        show_default=False,
-        rich_help_panel=_SEARCH,
-    ),
-]
+Command = Callable[..., None]
 
 
 @dataclass(frozen=True)
-class SearchOptions:
-    """What a user may choose of the search for periods, as on the command line."""
+class Taken:
+    """Options that a command takes: those of a dataclass, or some of them.
 
-    frames: Frames = None
-    joints: Joints = None
-    features: Features = "positions"
-    weights: Weights = "none"
-    metric: Metric = "euclidean"
-    dimensions: Dimensions = None
-    delay: Delay = None
-    delays: Delays = None
-    prime: Prime = 47
-    class_index: Class = None
-    max_scale: MaxScale = None
-    scale: Scale = None
-    gestures: Gestures = None
+    Parameters
+    ----------
+    options : type
+        A `Checked` dataclass.
+    names : frozenset of str
+        Of the fields the command takes; the others keep their defaults.
+    """
 
-    def resolved(self, motion: Motion, **others: Any) -> Options:
-        """Return the options of the main job for a capture, with further fields of them."""
-        from roundelay.timeline.options import Options, TopologyOptions
+    options: type[Checked]
+    names: frozenset[str]
 
-        axes = self.dimensions
-        whole = axes is not None and axes >= 1.0 and axes.is_integer()
-        return Options(
-            frames=frame_range(self.frames, len(motion)),
-            joints=None if self.joints is None else tuple(self.joints.split(",")),
-            features=cast("Any", self.features),
-            weights=cast("Any", self.weights),
-            gestures=self.gestures,
-            topology=TopologyOptions(
-                prime=self.prime,
-                class_index=self.class_index,
-                max_scale=self.max_scale,
-                scale=self.scale,
-                delay=self.delay,
-                delays=self.delays,
-                metric=cast("Any", self.metric),
-                dimensions=int(cast("float", axes)) if whole else axes,
-            ),
-            **others,
-        )
+    def __iter__(self) -> Iterator[Declared]:
+        return (one for one in leaves(self.options) if one.name in self.names)
+
+    def made(self, values: Mapping[str, Any]) -> Any:
+        """Make the options of values by name.
+
+        Raises
+        ------
+        ValueError
+            If they do not go together.
+        """
+        given: dict[str, Any] = {}
+        for one in declared(self.options):
+            if one.options is not None:
+                given[one.name] = replace(self, options=one.options).made(values)
+            elif one.name in self.names:
+                given[one.name] = values[one.name]
+        return self.options(**given)
 
 
-def takes_search(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command an option for every field of `SearchOptions`; it gets them as `search`."""
-    own = signature(command, eval_str=True)
-    shared = list(signature(SearchOptions, eval_str=True).parameters.values())
+def _all(options: type[Checked]) -> Taken:
+    return Taken(options, frozenset(one.name for one in leaves(options)))
 
-    @wraps(command)
-    def spread(**values: Any) -> None:
-        search = SearchOptions(**{one.name: values.pop(one.name) for one in shared})
-        command(**values, search=search)
 
-    others = [one for one in own.parameters.values() if one.name != "search"]
-    spread.__signature__ = own.replace(parameters=[*others, *shared])  # type: ignore[attr-defined]
-    return spread
+def only(options: type[Checked], *names: str) -> Taken:
+    """Take these options of a dataclass."""
+    return Taken(options, frozenset(names))
+
+
+def all_but(options: type[Checked], *names: str) -> Taken:
+    """Take all options of a dataclass but these."""
+    taken = _all(options)
+    return replace(taken, names=taken.names - set(names))
+
+
+def takes(**asked: type[Checked] | Taken) -> Callable[[Command], Command]:
+    """Give a command options on the command line; it gets them by the names given here.
+
+    Parameters
+    ----------
+    **asked
+        A `Checked` dataclass, or what `only` or `all_but` took of one.
+    """
+    groups = {name: x if isinstance(x, Taken) else _all(x) for name, x in asked.items()}
+    added = [_parameter(one, group) for group in groups.values() for one in group]
+
+    def decorated(command: Command) -> Command:
+        own = signature(command, eval_str=True)
+
+        @wraps(command)
+        def spread(**values: Any) -> None:
+            with one_line_errors():
+                made = {name: group.made(values) for name, group in groups.items()}
+            for one in added:
+                del values[one.name]
+            command(**values, **made)
+
+        kept = [one for one in own.parameters.values() if one.name not in groups]
+        spread.__signature__ = own.replace(parameters=[*kept, *added])  # type: ignore[attr-defined]
+        spread.taken = tuple(groups.values())  # type: ignore[attr-defined]
+        return spread
+
+    return decorated
+
+
+def taken_by(command: Command) -> tuple[Taken, ...]:
+    """Return what `takes` gave a command."""
+    return getattr(command, "taken", ())
+
+
+def _parameter(one: Declared, group: Taken) -> Parameter:
+    """Return a parameter as Typer reads it."""
+    switch = bool in choices(one.kind)
+    kind = (bool if NoneType not in choices(one.kind) else bool | None) if switch else str | None
+    shown: dict[str, Any] = {
+        "help": help_of(one),
+        "show_default": one.default is not None,
+        "rich_help_panel": group.options.title,
+    }
+    if switch:
+        option = typer.Option(f"--{one.flag}/--no-{one.flag}", **shown)
+    else:
+        reader = _reader(one)
+        option = typer.Option(f"--{one.flag}", parser=reader, metavar=_form(one), **shown)
+    annotation = Annotated[kind, option]  # type: ignore[valid-type]
+    return Parameter(one.name, Parameter.KEYWORD_ONLY, default=one.default, annotation=annotation)
+
+
+def help_of(one: Declared) -> str:
+    """Return what an option does, with its unit and range."""
+    limits = ", ".join(filter(None, (one.known.unit, one.known.range)))
+    return f"{one.known.text.rstrip('.')} ({limits})." if limits else one.known.text
+
+
+def _form(one: Declared) -> str:
+    """Return how a value is written."""
+    if one.known.form:
+        return one.known.form
+    kinds = [kind for kind in choices(one.kind) if kind is not NoneType]
+    if get_origin(kinds[0]) is Literal:
+        return "|".join(get_args(kinds[0]))
+    return "NAME" if str in kinds else "NUMBER"
+
+
+def _reader(one: Declared) -> Callable[[Any], Any]:
+    """Return what reads and checks an option's text; defaults come as they are."""
+
+    def read(text: Any) -> Any:
+        if not isinstance(text, str):
+            return text
+        try:
+            return replace(one, name=one.flag).checked(_read(text, one))
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from None
+
+    return read
+
+
+def _read(text: str, one: Declared) -> Any:
+    """Read a text as the first kind it can be.
+
+    Raises
+    ------
+    ValueError
+        If it has not the form of a range.
+    """
+    for kind in choices(one.kind):
+        if get_origin(kind) is not tuple:
+            continue
+        inside = get_args(kind)
+        if inside[-1] is Ellipsis:
+            return [_plain(part, inside[0]) for part in text.split(",")]
+        if text.count(":") != 1:
+            raise ValueError(f"expected {one.flag} as {_form(one)}, found {text!r}")
+        start, stop = text.split(":")
+        return _plain(start or "0", inside[0]), _plain(stop, inside[1])
+    return _plain(text, one.kind)
+
+
+def _plain(text: str, kind: Any) -> Any:
+    for one in choices(kind):
+        if one is NoneType and not text:
+            return None
+        if one in (int, float):
+            with suppress(ValueError):
+                return one(text)
+    return text

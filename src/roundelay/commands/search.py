@@ -9,14 +9,14 @@ import typer
 
 from roundelay.commands.common import (
     Capture,
-    Frames,
     Json,
     Skeleton,
-    frame_range,
     one_line_errors,
     print_json,
     read_capture,
 )
+from roundelay.commands.options import only, takes
+from roundelay.timeline.options import Options
 
 if TYPE_CHECKING:
     from roundelay.library import Match
@@ -30,13 +30,15 @@ Folder = Annotated[
 Count = Annotated[int, typer.Option(help="How many to list.", min=1)]
 
 
+@takes(query=only(Options, "frames"))
 def search(
     capture: Capture,
     folder: Folder,
     skeleton: Skeleton = None,
-    frames: Frames = None,
     count: Count = 10,
     json: Json = False,
+    *,
+    query: Options,
 ) -> None:
     """List the cycles of a library that are most like the best cycle of a capture.
 
@@ -48,12 +50,11 @@ def search(
     """
     from roundelay.library import Library
     from roundelay.pipeline import find_cycles
-    from roundelay.timeline.options import Options
 
     with one_line_errors(capture):
         library = Library.open(folder)
         motion = read_capture(capture, skeleton)
-        cycle = find_cycles(motion, Options(frames=frame_range(frames, len(motion))))[0]
+        cycle = find_cycles(motion, query)[0]
         matches, left_out = library.search(cycle, count)
         if json:
             found = [{"distance": m.distance, "file": m.file} | m.cycle for m in matches]

@@ -11,6 +11,7 @@ from roundelay.commands.common import (
     Capture,
     Directory,
     Json,
+    Picture,
     Skeleton,
     one_line_errors,
     output_directory,
@@ -18,40 +19,28 @@ from roundelay.commands.common import (
     progress_bar,
     read_capture,
 )
+from roundelay.commands.options import only, takes
+from roundelay.segmentation.options import SegmentOptions
+from roundelay.timeline.options import Options
 
 if TYPE_CHECKING:
     from roundelay.motion.motion import Motion
     from roundelay.segmentation import Segmentation
 
-Method = Annotated[
-    str, typer.Option(help="gaussian, pca, ppca, gmm, ppca-paper or gmm-paper.", metavar="METHOD")
-]
-Sensitivity = Annotated[
-    float, typer.Option(help="2 finds finer behaviours, 0.5 coarser ones (gaussian).")
-]
-Segments = Annotated[
-    int | None,
-    typer.Option("--segments", help="Make exactly so many (gaussian).", show_default=False),
-]
-Joints = Annotated[
-    str | None,
-    typer.Option(help="Joints to look at, with commas.", show_default=False),
-]
 Split = Annotated[bool, typer.Option("--split", help="Write each segment as a BVH of its own.")]
-Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
 
 
+@takes(search=only(Options, "joints"), cut=SegmentOptions)
 def segment(
     capture: Capture,
     output: Directory = Path("."),
     skeleton: Skeleton = None,
-    method: Method = "gaussian",
-    sensitivity: Sensitivity = 1.0,
-    segments: Segments = None,
-    joints: Joints = None,
     split: Split = False,
     picture: Picture = True,
     json: Json = False,
+    *,
+    search: Options,
+    cut: SegmentOptions,
 ) -> None:
     """Cut a capture into behaviours, and name those that come back alike.
 
@@ -62,18 +51,12 @@ def segment(
     Exit code 0: the capture was cut, perhaps into one segment; 2: bad input.
     """
     from roundelay.pipeline import with_periods
-    from roundelay.segmentation import segment as cut
+    from roundelay.segmentation import segment as cut_motion
 
     with one_line_errors(capture):
         with progress_bar(quiet=json) as progress:
             motion, folder = read_capture(capture, skeleton), output_directory(output)
-            found = cut(
-                motion,
-                method=method,  # type: ignore[arg-type]
-                sensitivity=sensitivity,
-                n_segments=segments,
-                joints=None if joints is None else joints.split(","),
-            )
+            found = cut_motion(motion, method=cut.chosen, joints=search.joints)
             found = with_periods(found, motion, progress=progress)
         record = _write(found, motion, capture, folder, split, picture)
         if json:

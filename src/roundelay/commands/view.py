@@ -14,29 +14,29 @@ from roundelay.commands.common import (
     progress_bar,
     read_capture,
 )
-from roundelay.commands.options import SearchOptions, takes_search
+from roundelay.commands.options import takes
+from roundelay.timeline.options import Options
 
 if TYPE_CHECKING:
     from roundelay.base.progress import Progress
     from roundelay.motion.motion import Motion
     from roundelay.segmentation import Segmentation
-    from roundelay.timeline.options import Options
 
 Page = Annotated[
     Path | None,
-    typer.Option("-o", "--output", help="The page; NAME.html by default.", show_default=False),
+    typer.Option("-o", "--file", help="File to write; NAME.html by default.", show_default=False),
 ]
 Open = Annotated[bool, typer.Option("--open", help="Show it in the browser.")]
 
 
-@takes_search
+@takes(search=Options)
 def view(
     capture: Capture,
     output: Page = None,
     skeleton: Skeleton = None,
     open_page: Open = False,
     *,
-    search: SearchOptions,
+    search: Options,
 ) -> None:
     """Write one HTML page: the capture moving, its periodic parts, the evidence, the loops.
 
@@ -50,7 +50,7 @@ def view(
     with one_line_errors(capture):
         with progress_bar(quiet=False) as progress:
             motion = read_capture(capture, skeleton)
-            text, note = _page(motion, search.resolved(motion), progress)
+            text, note = _page(motion, search, progress)
         path = Path(f"{capture.stem}.html") if output is None else output
         path.parent.mkdir(parents=True, exist_ok=True)
         with written_beside(path) as part:

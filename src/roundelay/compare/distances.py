@@ -13,6 +13,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.numeric import SMALLEST
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import align
 from roundelay.topology.rips import Barcode
@@ -112,6 +114,7 @@ def _costs(first: Array, second: Array) -> Array:
     return costs
 
 
+@one_thread
 def cycle_distance(first: Cycle, second: Cycle, *, mirror: bool = True) -> float:
     """Return the distance of cycles in phase and heading: RMS over joints, in body sizes.
 
@@ -130,6 +133,7 @@ def cycle_distance(first: Cycle, second: Cycle, *, mirror: bool = True) -> float
     return align(first, second, mirror=mirror).distance
 
 
+@one_thread
 def distance_matrix(items: Sequence[Item], distance: Callable[[Item, Item], float]) -> Array:
     """Return the distances (n, n) between all items by one of the distances here."""
     result = np.zeros((len(items), len(items)))
@@ -139,6 +143,7 @@ def distance_matrix(items: Sequence[Item], distance: Callable[[Item, Item], floa
     return result
 
 
+@one_thread
 def search(
     query: Item, items: Sequence[Item], distance: Callable[[Item, Item], float]
 ) -> list[tuple[int, float]]:
@@ -147,6 +152,7 @@ def search(
     return sorted(found, key=lambda pair: pair[1])
 
 
+@one_thread
 def cluster(
     distances: ArrayLike, count: int | None = None, *, within: float | None = None
 ) -> Labels:
@@ -227,5 +233,5 @@ def _silhouette(distances: Array, labels: Labels) -> float:
     own = sizes[labels]
     within = sums[np.arange(len(labels)), labels] / np.maximum(own - 1, 1)
     beyond = np.where(member, np.inf, sums / sizes).min(axis=1)
-    widest = np.maximum(np.maximum(within, beyond), 1e-300)
+    widest = np.maximum(np.maximum(within, beyond), SMALLEST)
     return float(np.mean(np.where(own > 1, (beyond - within) / widest, 0.0)))

@@ -14,7 +14,10 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.errors import SkeletonMismatch
+from roundelay.base.numeric import SMALL
+from roundelay.compare.thresholds import SPECTRA
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.geometry.symmetry import lateral_axis, partners, reflection
@@ -22,12 +25,6 @@ from roundelay.motion.features import point_cloud
 
 __all__ = ["Body", "Spectra", "least_distances"]
 
-# What is left out has an RMS of some 0.0005 body sizes in captured cycles, and enters squared.
-_HARMONICS = 8
-# Phases at which a cycle is taken for its harmonics.
-_GRID = 128
-# Offsets that are tried before a parabola finds the best: four for a wave of the last harmonic.
-_OFFSETS = 32
 # Pairs of cycles compared at once: 16 MB.
 _PAIRS = 1 << 17
 
@@ -98,6 +95,8 @@ class Spectra:
     waves: NDArray[np.complex64]
     reflections: NDArray[np.float32]
 
+    __repr__ = brief
+
     def __len__(self) -> int:
         return len(self.means)
 
@@ -154,9 +153,10 @@ class Spectra:
 
 def _harmonics(cycle: Cycle) -> NDArray[np.complex128]:
     """Mean and harmonics (1 + H, J, 3) of the positions of all joints but the root."""
-    points = point_cloud(cycle.at(np.arange(_GRID) / _GRID, frame_time=1.0))
-    spectrum = np.fft.rfft(points, axis=0)[: _HARMONICS + 1] / _GRID
-    return cast("NDArray[np.complex128]", spectrum.reshape(_HARMONICS + 1, -1, 3))
+    count, kept = SPECTRA.phases, SPECTRA.harmonics + 1
+    points = point_cloud(cycle.at(np.arange(count) / count, frame_time=1.0))
+    spectrum = np.fft.rfft(points, axis=0)[:kept] / count
+    return cast("NDArray[np.complex128]", spectrum.reshape(kept, -1, 3))
 
 
 def least_distances(first: Spectra, second: Spectra) -> NDArray[np.float32]:
@@ -208,7 +208,8 @@ def _best_products(
 ) -> NDArray[np.float32]:
     """Largest mean products (m, n), over all offsets, of curves (H, m, d) and (H, d, n)."""
     cross = np.matmul(rows, columns).reshape(len(rows), -1)
-    angles = 2 * np.pi * np.outer(np.arange(_OFFSETS) / _OFFSETS, np.arange(1, len(rows) + 1))
+    offsets = np.arange(SPECTRA.offsets) / SPECTRA.offsets
+    angles = 2 * np.pi * np.outer(offsets, np.arange(1, len(rows) + 1))
     turning = 2.0 * np.hstack([np.cos(angles), -np.sin(angles)]).astype(np.float32)
     highest = _highest(turning @ np.vstack([cross.real, cross.imag]))
     return highest.reshape(rows.shape[1], -1)
@@ -218,5 +219,5 @@ def _highest(values: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return the maxima (n,) of closed curves (offsets, n), by parabolas through three values."""
     best, columns = values.argmax(axis=0), np.arange(values.shape[1])
     before, here, after = (values[(best + step) % len(values), columns] for step in (-1, 0, 1))
-    bend = np.minimum(before - 2.0 * here + after, -1e-30)
-    return here - (before - after) ** 2 / (8.0 * bend)
+    bend = np.minimum(before - 2.0 * here + after, -SMALL)
+    return here - (before - after) ** 2 / (8 * bend)

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import TINY
 from roundelay.base.spans import Span
+from roundelay.cycles.thresholds import CONTINUITY
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import heading
 from roundelay.motion.motion import Motion
@@ -17,13 +19,6 @@ from roundelay.phase.harmonic import HarmonicCurve, fit_harmonic
 __all__ = ["Followed", "fit_poses", "followed_poses"]
 
 Array = NDArray[np.float64]
-
-# A joint keeps to one side of its mean if all but a twentieth of its poses lie within 145
-# degrees of it, where this is the cosine of half the angle.
-_ONE_SIDE, _GLITCHES = 0.3, 0.05
-_BESIDE = 3
-# It jumps if it turns by more than 60 degrees from a frame to the next: cosine of the half.
-_JUMP = 0.866
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +108,7 @@ def _heading_drift(
             continue
         # What spins turns far in the part of a frame by which a pair is more than a turn apart.
         beyond = np.maximum(turns[later] - turns[first] - 1.0, 0.0)
-        part = np.minimum(beyond / np.maximum(turns[later] - turns[later - 1], 1e-12), 1.0)
+        part = np.minimum(beyond / np.maximum(turns[later] - turns[later - 1], TINY), 1.0)
         end = rot.slerp(root[later], root[later - 1], part)
         gain = np.unwrap(heading(rot.multiply(end, rot.conjugate(root[first])), motion.up))
         middle, rate = 0.5 * (first + later - part), gain / (later - part - first)
@@ -138,15 +133,15 @@ def _signed(
     follows = [
         np.abs(np.einsum("fjq,fjq->fj", local[a + 1 : b], local[a : b - 1])) for a, b in runs
     ]
-    jumps = np.concatenate(follows).min(axis=0, initial=1.0) < _JUMP
+    jumps = np.concatenate(follows).min(axis=0, initial=1.0) < CONTINUITY.jump
     inside = np.concatenate([np.arange(*run) for run in runs])
     for joint in np.flatnonzero(jumps):
         values = local[inside, joint]
         side = values @ rot.mean(values)
-        away = np.abs(side) <= _ONE_SIDE
-        if away.mean() < _GLITCHES:
+        away = np.abs(side) <= CONTINUITY.one_side
+        if away.mean() < CONTINUITY.glitches:
             # A glitch begins and ends a few frames beside its worst.
-            around = np.convolve(away, np.ones(2 * _BESIDE + 1), mode="same") > 0.5
+            around = np.convolve(away, np.ones(2 * CONTINUITY.beside + 1), mode="same") > 0.5
             sound = np.flatnonzero(~around)
             local[inside, joint] = _bridged(values * np.sign(side)[:, None], sound)
             odd[joint] = False
@@ -187,7 +182,8 @@ def _align_runs(
     added = np.zeros(len(local))
     longest = max(runs, key=lambda run: turns[run[1] - 1] - turns[run[0]])
     inside = slice(*longest)
-    even_part, odd_part = fit_poses(turns[inside], local[inside], odd, min(count, 8), None)
+    count = min(count, CONTINUITY.harmonics)
+    even_part, odd_part = fit_poses(turns[inside], local[inside], odd, count, None)
     for run in runs:
         if run == longest:
             continue

@@ -7,7 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.threads import one_thread
 from roundelay.cycles.edit.footlock import lock_feet
+from roundelay.cycles.thresholds import CYCLE
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion, checked_rate
@@ -17,9 +19,6 @@ from roundelay.timeline.evidence import Evidence
 __all__ = ["Cycle"]
 
 Array = NDArray[np.float64]
-
-# Body sizes a period below which a cycle stays where it is.
-_TRAVELS = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +129,7 @@ class Cycle:
         path[:, across], path[:, along] = plane.real, plane.imag
         return path
 
+    @one_thread
     def sample(
         self,
         fps: float | None = None,
@@ -191,10 +191,11 @@ class Cycle:
         """Return the angle from where phase 0 travels to a direction; 0 without travel."""
         ahead, aside = (self.up + 1) % 3, (self.up + 2) % 3
         speed = self.velocity.constant
-        if np.hypot(speed[ahead], speed[aside]) < _TRAVELS * self.skeleton.size:
+        if np.hypot(speed[ahead], speed[aside]) < CYCLE.travels * self.skeleton.size:
             return 0.0
         return direction - float(np.arctan2(speed[aside], speed[ahead]))
 
+    @one_thread
     def at(self, phase: ArrayLike, *, frame_time: float, in_place: bool = False) -> Motion:
         """Return the poses at unwrapped phases (n,) as a motion; see `sample`."""
         x = np.asarray(phase, float)

@@ -2,39 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
-from roundelay.base.errors import FormatError, TooShort
-from roundelay.formats import acclaim_writer, amc, bvh, bvh_writer, gltf
+from roundelay.base.checks import expected
+from roundelay.base.errors import TooShort
+from roundelay.formats.registry import (
+    Reader,
+    SkeletonReader,
+    Writer,
+    checked_format,
+    files_of,
+    in_words,
+    reader_of,
+    readers,
+    suffixes_of,
+    writer_of,
+    writers,
+)
 from roundelay.geometry.kinematics import vertical_axis
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
-__all__ = ["read", "write"]
-
-
-@dataclass(frozen=True)
-class _Reader:
-    """A format's reader; that of files without a skeleton takes one."""
-
-    read: Callable[..., Motion]
-    takes_skeleton: bool = False
-
-
-_READERS = {".bvh": _Reader(bvh.read), ".amc": _Reader(amc.read, takes_skeleton=True)}
-_WRITERS: dict[str, Callable[[Motion, Path], None]] = {
-    ".bvh": bvh_writer.write,
-    ".amc": acclaim_writer.write,
-    ".glb": gltf.write,
-    ".gltf": gltf.write,
-}
-_Known = TypeVar("_Known")
+__all__ = [
+    "Reader",
+    "SkeletonReader",
+    "Writer",
+    "checked_format",
+    "files_of",
+    "in_words",
+    "read",
+    "readers",
+    "suffixes_of",
+    "write",
+    "writers",
+]
 
 
 def read(
@@ -45,7 +50,7 @@ def read(
     Parameters
     ----------
     path : path-like
-        A ``.bvh`` or ``.amc`` file.
+        A ``.bvh`` or ``.amc`` file, or one of a format that a plug-in reads.
     skeleton : path-like or Skeleton, optional
         For an AMC, its ASF or a skeleton read from one; looked for beside it by default.
 
@@ -64,17 +69,13 @@ def read(
         If the file cannot be read.
     """
     path = Path(path)
-    try:
-        known = _known(path, _READERS)
-    except ValueError as error:
-        raise FormatError(str(error), path=path) from None
-    if not known.takes_skeleton:
-        if skeleton is not None:
-            raise ValueError(f"expected no skeleton: a {path.suffix} file holds its own")
-        return _upright(known.read(path))
-    if isinstance(skeleton, str | PathLike):
-        skeleton = Path(skeleton)
-    return _upright(known.read(path, skeleton))
+    reader = reader_of(path)
+    if skeleton is None:
+        return _upright(reader.read(path))
+    if not isinstance(reader, SkeletonReader):
+        raise ValueError(f"expected no skeleton: a {path.suffix} file holds its own")
+    given = skeleton if isinstance(skeleton, Skeleton) else Path(skeleton)
+    return _upright(reader.read(path, given))
 
 
 def _upright(motion: Motion) -> Motion:
@@ -101,17 +102,7 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
         If the file cannot be written.
     """
     path = Path(path)
-    write_to = _known(path, _WRITERS)
-    if not len(motion):
+    writer = writer_of(path)
+    if not len(expected(Motion, motion)):
         raise TooShort("expected a motion of at least one frame, found none")
-    write_to(motion, path)
-
-
-def _known(path: Path, formats: dict[str, _Known]) -> _Known:
-    try:
-        return formats[path.suffix.lower()]
-    except KeyError:
-        known = ", ".join(formats)
-        raise ValueError(
-            f"expected a file of type {known}, found {path.name or str(path)!r}"
-        ) from None
+    writer.write(motion, path)

@@ -16,27 +16,33 @@ from roundelay.formats.euler import DEGREE, Winding, decompose
 from roundelay.geometry import rotations as rot
 from roundelay.motion.motion import Motion
 
-__all__ = ["write"]
+__all__ = ["AmcWriter"]
 
 Array = NDArray[np.float64]
 
 
-def write(motion: Motion, path: Path) -> None:
-    """Write an AMC file, and the ASF of the same name beside it.
+class AmcWriter:
+    """The writer of AMC files, each with its ASF."""
 
-    Bones, axes and channels are those of the ASF the skeleton came from, with more channels
-    where those cannot express the motion; otherwise every joint becomes a bone with axes
-    "0 0 0 XYZ" and channels "rx ry rz". The root is called "root", as the format demands. A
-    rate other than 120 frames a second is written as ``:SAMPLES-PER-SECOND``.
+    name = "amc"
+    suffixes = (".amc",)
 
-    Raises
-    ------
-    OSError
-        If a file cannot be written.
-    """
-    bones = rig(motion)
-    text.save(path.with_suffix(".asf"), _skeleton(bones))
-    text.save(path, _frames(motion, bones.layout))
+    def write(self, motion: Motion, path: Path) -> None:
+        """Write an AMC file, and the ASF of the same name beside it.
+
+        Bones, axes and channels are those of the ASF the skeleton came from, with more channels
+        where those cannot express the motion; otherwise every joint becomes a bone with axes
+        "0 0 0 XYZ" and channels "rx ry rz". The root is called "root", as the format demands. A
+        rate other than 120 frames a second is written as ``:SAMPLES-PER-SECOND``.
+
+        Raises
+        ------
+        OSError
+            If a file cannot be written.
+        """
+        bones = rig(motion)
+        text.save(path.with_suffix(".asf"), _skeleton(bones))
+        text.save(path, _frames(motion, bones.layout))
 
 
 def _skeleton(bones: Rig) -> Iterator[str]:

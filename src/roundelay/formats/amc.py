@@ -19,7 +19,7 @@ from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
-__all__ = ["FRAME_TIME", "read"]
+__all__ = ["FRAME_TIME", "AmcReader"]
 
 Array = NDArray[np.float64]
 
@@ -29,43 +29,53 @@ FRAME_TIME = 1.0 / 120.0
 _BLOCK = 1 << 16
 
 
-def read(path: Path, skeleton: Skeleton | Path | None = None) -> Motion:
-    """Read an AMC file.
+class AmcReader:
+    """The reader of AMC files, whose skeletons are ASF files."""
 
-    Parameters
-    ----------
-    path : Path
-    skeleton : Skeleton or Path, optional
-        A skeleton read from an ASF, or its path; looked for beside the file by default.
+    name = "amc"
+    suffixes = (".amc",)
 
-    Returns
-    -------
-    Motion
-        Lengths in the numbers of the ASF. The frame rate is that of the file's
-        ``:SAMPLES-PER-SECOND``, 120 frames a second without it.
+    def read(self, path: Path, skeleton: Skeleton | Path | None = None) -> Motion:
+        """Read an AMC file.
 
-    Raises
-    ------
-    FormatError
-        If a file is not whole or the two do not fit, with line and column.
-    """
-    source = text.without_comments(text.load(path))
-    if skeleton is None:
-        skeleton = find_skeleton(path)
-    if isinstance(skeleton, Path):
-        skeleton = read_skeleton(skeleton)
-    if not isinstance(skeleton.layout, AcclaimLayout):
-        raise ValueError("expected a skeleton that was read from an ASF")
-    heading = _Heading.read(source, skeleton.layout)
-    table = _Table(source, heading.start, skeleton)
-    values = table.read()
-    text.check_proportion(source, heading.start, len(values), skeleton.n_joints)
-    layout = replace(
-        skeleton.layout,
-        frame_order=tuple(table.order),
-        windings=_windings(skeleton.layout, values, heading.degree),
-    )
-    return _motion(replace(skeleton, layout=layout), values, heading, path.stem)
+        Parameters
+        ----------
+        path : Path
+        skeleton : Skeleton or Path, optional
+            A skeleton read from an ASF, or its path; looked for beside the file by default.
+
+        Returns
+        -------
+        Motion
+            Lengths in the numbers of the ASF. The frame rate is that of the file's
+            ``:SAMPLES-PER-SECOND``, 120 frames a second without it.
+
+        Raises
+        ------
+        FormatError
+            If a file is not whole or the two do not fit, with line and column.
+        """
+        source = text.without_comments(text.load(path))
+        if skeleton is None:
+            skeleton = find_skeleton(path)
+        if isinstance(skeleton, Path):
+            skeleton = read_skeleton(skeleton)
+        if not isinstance(skeleton.layout, AcclaimLayout):
+            raise ValueError("expected a skeleton that was read from an ASF")
+        heading = _Heading.read(source, skeleton.layout)
+        table = _Table(source, heading.start, skeleton)
+        values = table.read()
+        text.check_proportion(source, heading.start, len(values), skeleton.n_joints)
+        layout = replace(
+            skeleton.layout,
+            frame_order=tuple(table.order),
+            windings=_windings(skeleton.layout, values, heading.degree),
+        )
+        return _motion(replace(skeleton, layout=layout), values, heading, path.stem)
+
+    def find_skeleton(self, path: Path) -> Path:
+        """Return the ASF of an AMC; see `roundelay.formats.asf.find_skeleton`."""
+        return find_skeleton(path)
 
 
 @dataclass(frozen=True)

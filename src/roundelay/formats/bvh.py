@@ -23,7 +23,7 @@ from roundelay.formats.euler import DEGREE, Winding, compose, winding
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
-__all__ = ["read"]
+__all__ = ["BvhReader"]
 
 Array = NDArray[np.float64]
 
@@ -31,27 +31,33 @@ _COUNT = re.compile(r"frames\s*:?\s*(\d+)", re.IGNORECASE)
 _TIME = re.compile(r"frame\s*time\s*:?\s*(\S+)", re.IGNORECASE)
 
 
-def read(path: Path) -> Motion:
-    """Read a BVH file.
+class BvhReader:
+    """The reader of BVH files."""
 
-    Parameters
-    ----------
-    path : Path
+    name = "bvh"
+    suffixes = (".bvh",)
 
-    Returns
-    -------
-    Motion
-        Lengths in the file's unit. `Motion.translations` is set if a joint other than the
-        root has position channels that leave its OFFSET.
+    def read(self, path: Path) -> Motion:
+        """Read a BVH file.
 
-    Raises
-    ------
-    FormatError
-        If the file is not a whole BVH, with line and column.
-    """
-    skeleton, values, frame_time = _parse(path)
-    skeleton = replace(skeleton, layout=_with_windings(skeleton.layout, values))
-    return _motion(skeleton, values, frame_time, path.stem)
+        Parameters
+        ----------
+        path : Path
+
+        Returns
+        -------
+        Motion
+            Lengths in the file's unit. `Motion.translations` is set if a joint other than the
+            root has position channels that leave its OFFSET.
+
+        Raises
+        ------
+        FormatError
+            If the file is not a whole BVH, with line and column.
+        """
+        skeleton, values, frame_time = _parse(path)
+        skeleton = replace(skeleton, layout=_with_windings(skeleton.layout, values))
+        return _motion(skeleton, values, frame_time, path.stem)
 
 
 def _parse(path: Path) -> tuple[Skeleton, Array, float]:

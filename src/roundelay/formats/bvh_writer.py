@@ -17,7 +17,7 @@ from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
-__all__ = ["write"]
+__all__ = ["BvhWriter"]
 
 Array = NDArray[np.float64]
 
@@ -27,25 +27,31 @@ _POSITION = ("Xposition", "Yposition", "Zposition")
 _CLOSE = 1e-9
 
 
-def write(motion: Motion, path: Path) -> None:
-    """Write a BVH file.
+class BvhWriter:
+    """The writer of BVH files."""
 
-    The channels are those of the file the skeleton came from, and more where they cannot
-    express the motion; otherwise "Zrotation Yrotation Xrotation" on every joint, after
-    "Xposition Yposition Zposition" on the root and on joints that move on their parents.
+    name = "bvh"
+    suffixes = (".bvh",)
 
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
-    """
-    motion = _in_file_order(motion)
-    layout = _fitted_layout(motion)
-    table = _table(motion, layout)
-    row = " ".join(["%s"] * layout.width) + "\n"
-    head = [*_hierarchy(motion.skeleton, layout), "MOTION\n", f"Frames: {len(motion)}\n"]
-    head.append(f"Frame Time: {motion.frame_time!r}\n")
-    text.save(path, (piece for part in (head, text.rows(table, row)) for piece in part))
+    def write(self, motion: Motion, path: Path) -> None:
+        """Write a BVH file.
+
+        The channels are those of the file the skeleton came from, and more where they cannot
+        express the motion; otherwise "Zrotation Yrotation Xrotation" on every joint, after
+        "Xposition Yposition Zposition" on the root and on joints that move on their parents.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        motion = _in_file_order(motion)
+        layout = _fitted_layout(motion)
+        table = _table(motion, layout)
+        row = " ".join(["%s"] * layout.width) + "\n"
+        head = [*_hierarchy(motion.skeleton, layout), "MOTION\n", f"Frames: {len(motion)}\n"]
+        head.append(f"Frame Time: {motion.frame_time!r}\n")
+        text.save(path, (piece for part in (head, text.rows(table, row)) for piece in part))
 
 
 def _in_file_order(motion: Motion) -> Motion:

@@ -21,7 +21,7 @@ from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.motion.motion import Motion
 
-__all__ = ["write"]
+__all__ = ["GltfWriter"]
 
 Array = NDArray[np.float64]
 Json = dict[str, Any]
@@ -53,34 +53,40 @@ class _Buffer:
         return number
 
 
-def write(motion: Motion, path: Path) -> None:
-    """Write a ``.glb`` or ``.gltf`` file.
+class GltfWriter:
+    """The writer of glTF files."""
 
-    The vertical axis becomes Y, as the format demands; lengths stay in the motion's unit (the
-    format thinks of metres: see `Motion.scaled`). Ends of limbs become joints ``NAME_end``.
-    Bones that change length move as they do in the motion.
+    name = "gltf"
+    suffixes = (".glb", ".gltf")
 
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
-    """
-    buffer = _Buffer()
-    upright = _to_y_up(motion.up)
-    document = {
-        "asset": {"version": "2.0", "generator": f"roundelay {__version__}"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": _nodes(motion, upright),
-        "skins": [_skin(motion, upright, buffer)],
-        "animations": [_animation(motion, upright, buffer)],
-        "bufferViews": buffer.views,
-        "accessors": buffer.accessors,
-        "buffers": [{"byteLength": len(buffer.data)}],
-    }
-    content = _binary if path.suffix.lower() == ".glb" else _text
-    with written_beside(path) as part:
-        part.write_bytes(content(document, bytes(buffer.data)))
+    def write(self, motion: Motion, path: Path) -> None:
+        """Write a ``.glb`` or ``.gltf`` file.
+
+        The vertical axis becomes Y, as the format demands; lengths stay in the motion's unit (the
+        format thinks of metres: see `Motion.scaled`). Ends of limbs become joints ``NAME_end``.
+        Bones that change length move as they do in the motion.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        buffer = _Buffer()
+        upright = _to_y_up(motion.up)
+        document = {
+            "asset": {"version": "2.0", "generator": f"roundelay {__version__}"},
+            "scene": 0,
+            "scenes": [{"nodes": [0]}],
+            "nodes": _nodes(motion, upright),
+            "skins": [_skin(motion, upright, buffer)],
+            "animations": [_animation(motion, upright, buffer)],
+            "bufferViews": buffer.views,
+            "accessors": buffer.accessors,
+            "buffers": [{"byteLength": len(buffer.data)}],
+        }
+        content = _binary if path.suffix.lower() == ".glb" else _text
+        with written_beside(path) as part:
+            part.write_bytes(content(document, bytes(buffer.data)))
 
 
 def _to_y_up(up: int) -> Array:

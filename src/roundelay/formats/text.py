@@ -24,6 +24,7 @@ __all__ = [
     "numbers",
     "rows",
     "save",
+    "shown",
     "without_comments",
 ]
 

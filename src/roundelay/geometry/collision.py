@@ -12,24 +12,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import SMALLEST, TINY
 from roundelay.base.spans import Spans
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.skeleton import Skeleton
+from roundelay.geometry.thresholds import COLLISION
 
-__all__ = ["Capsules", "Collision", "Near", "collisions", "nearest_points", "segment_distances"]
+__all__ = ["Capsules", "Collision", "Near", "collisions", "nearest_points"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Segments = tuple[Array, Array]
 
-# Radius of a bone in its lengths, and at most in body sizes: about that of a forearm.
-_SLENDER, _THICKEST = 0.12, 0.02
-# Bones with fewer than so many joints between them are neighbours.
-_NEIGHBOURS = 2
 # Frames looked at in one go.
 _BLOCK = 256
-# A bone counts from this share of the body size on: no finger does.
-_SHORTEST = 0.04
 
 
 @dataclass(frozen=True)
@@ -192,14 +188,14 @@ def _bones(skeleton: Skeleton) -> list[int]:
     root on the ground.
     """
     lengths = np.linalg.norm(skeleton.offsets, axis=1)
-    least = _SHORTEST * skeleton.size
+    least = COLLISION.shortest * skeleton.size
     first = next((j for j in range(skeleton.n_joints) if skeleton.parents.count(j) > 1), 0)
     return [j for j in range(first + 1, skeleton.n_joints) if lengths[j] >= least]
 
 
 def _radii(skeleton: Skeleton, bones: list[int]) -> Array:
     lengths = np.linalg.norm(skeleton.offsets[bones], axis=1)
-    return np.minimum(_SLENDER * lengths, _THICKEST * skeleton.size)
+    return np.minimum(COLLISION.slender * lengths, COLLISION.thickest * skeleton.size)
 
 
 def _pairs(skeleton: Skeleton, bones: list[int]) -> list[tuple[int, int]]:
@@ -209,7 +205,7 @@ def _pairs(skeleton: Skeleton, bones: list[int]) -> list[tuple[int, int]]:
         (a, b)
         for a in range(len(bones))
         for b in range(a + 1, len(bones))
-        if _joints_between(above[a], above[b]) >= _NEIGHBOURS
+        if _joints_between(above[a], above[b]) >= COLLISION.neighbours
     ]
 
 
@@ -229,12 +225,6 @@ def _joints_between(first: list[int], second: list[int]) -> int:
     return apart - (1 if inline else 2)
 
 
-def segment_distances(first: Segments, second: Segments) -> Array:
-    """Return the distances (n,) between segments, each given by its two ends (n, 3)."""
-    near, other = nearest_points(first, second)
-    return np.asarray(np.linalg.norm(near - other, axis=-1))
-
-
 def nearest_points(first: Segments, second: Segments) -> tuple[Array, Array]:
     """Return the points (n, 3) at which segments, each given by its two ends, come nearest.
 
@@ -245,12 +235,11 @@ def nearest_points(first: Segments, second: Segments) -> tuple[Array, Array]:
     u, v, w = p_end - p, q_end - q, p - q
     a, e = np.sum(u * u, axis=-1), np.sum(v * v, axis=-1)
     b, c, f = np.sum(u * v, axis=-1), np.sum(u * w, axis=-1), np.sum(v * w, axis=-1)
-    tiny = 1e-300
     apart = a * e - b * b
-    parallel = apart <= 1e-12 * a * e
+    parallel = apart <= TINY * a * e
     s = np.where(parallel, 0.0, np.clip((b * f - c * e) / np.where(parallel, 1.0, apart), 0, 1))
-    t = np.clip((b * s + f) / np.maximum(e, tiny), 0.0, 1.0)
-    s = np.clip((b * t - c) / np.maximum(a, tiny), 0.0, 1.0)
+    t = np.clip((b * s + f) / np.maximum(e, SMALLEST), 0.0, 1.0)
+    s = np.clip((b * t - c) / np.maximum(a, SMALLEST), 0.0, 1.0)
     return p + s[..., None] * u, q + t[..., None] * v
 
 

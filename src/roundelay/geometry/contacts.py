@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from roundelay.base.spans import Spans
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
+from roundelay.geometry.thresholds import CONTACTS, LIMBS
 
 __all__ = [
     "Foot",
@@ -25,20 +26,6 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _NAMES = ("foot", "toe", "ankle", "hoof", "paw")
-# The end of a limb that comes this near to the lowest one, in body sizes, is a foot.
-_LOW = 0.06
-# Shorter limbs, in body sizes, are fingers and toes: no joint branches for them.
-_LIMB = 0.12
-# Longer ones are arms and legs, not neck and head.
-_LONG = 0.22
-# Body sizes and sizes a second: a contact begins below the first and ends above the second.
-_HEIGHT, _SPEED = (0.025, 0.04), (0.2, 0.4)
-# Seconds to either side over which speed is taken; shorter contacts and gaps are none.
-_REACH, _SHORTEST = 0.02, 0.06
-# Height in body sizes below which a foot's slide counts (2.5 cm for a person).
-_SKATE_HEIGHT = 0.013
-# Seconds to either side in which a foot comes down, and sizes by which a floor is uneven.
-_STRIDE, _UNLEVEL = 0.75, 0.04
 
 
 @dataclass(frozen=True)
@@ -78,8 +65,8 @@ def find_feet(skeleton: Skeleton, positions: Array, up: int) -> tuple[Foot, ...]
     tuple of Foot
         Empty if no limb of two bones comes near the ground.
     """
-    heights = np.quantile(positions[:, :, up], 0.1, axis=0)
-    near = float(heights.min()) + _LOW * skeleton.size
+    heights = np.quantile(positions[:, :, up], LIMBS.lowest, axis=0)
+    near = float(heights.min()) + LIMBS.low * skeleton.size
     found: dict[int, Foot] = {}
     for leaf in sorted(set(range(skeleton.n_joints)) - set(skeleton.parents)):
         limb = _limb(skeleton, leaf)
@@ -122,7 +109,7 @@ def _arms(skeleton: Skeleton, positions: Array, up: int) -> list[list[int]]:
     lengths = np.linalg.norm(skeleton.offsets, axis=1)
     leaves = set(range(skeleton.n_joints)) - set(skeleton.parents)
     limbs = [_limb(skeleton, leaf) for leaf in sorted(leaves)]
-    long = _LONG * skeleton.size
+    long = LIMBS.long * skeleton.size
     return [x for x in limbs if legs.isdisjoint(x) and lengths[x[1:]].sum() > long]
 
 
@@ -135,7 +122,7 @@ def _limb(skeleton: Skeleton, leaf: int) -> list[int]:
         reach[joint] = max(reach[joint], float(np.linalg.norm(offset)))
     for joint in range(skeleton.n_joints - 1, 0, -1):
         parent = skeleton.parents[joint]
-        limbs[parent] += reach[joint] + lengths[joint] > _LIMB * skeleton.size
+        limbs[parent] += reach[joint] + lengths[joint] > LIMBS.limb * skeleton.size
         reach[parent] = max(reach[parent], reach[joint] + lengths[joint])
     limb = [leaf]
     while skeleton.parents[limb[0]] > 0 and limbs[skeleton.parents[limb[0]]] < 2:
@@ -148,7 +135,7 @@ def _foot(skeleton: Skeleton, limb: list[int]) -> Foot:
     bones = np.linalg.norm(skeleton.offsets[limb[1:]], axis=1)
     first = int(np.argmax(bones[:-1] + bones[1:]))
     hip, knee, ankle = limb[first : first + 3]
-    least = 1e-3 * skeleton.size
+    least = LIMBS.least * skeleton.size
     below = [joint for joint in limb[first + 3 :] if np.any(abs(skeleton.offsets[joint]) > least)]
     ends = [offset for joint, offset in skeleton.end_sites if joint == ankle]
     if below:
@@ -184,14 +171,14 @@ def contacts(points: Array, *, fps: float, size: float, up: int) -> Mask:
     (F, n) ndarray of bool
     """
     height = _above_ground(points, fps, size, up)
-    reach = max(1, round(_REACH * fps))
+    reach = max(1, round(CONTACTS.reach * fps))
     ahead = np.clip(np.arange(len(points)) + reach, 0, len(points) - 1)
     behind = np.clip(np.arange(len(points)) - reach, 0, len(points) - 1)
     moved = np.linalg.norm(points[ahead] - points[behind], axis=-1)
     speed = moved * fps / (np.maximum(ahead - behind, 1)[:, None] * size)
-    begins = (height < _HEIGHT[0]) & (speed < _SPEED[0])
-    holds = (height < _HEIGHT[1]) & (speed < _SPEED[1])
-    shortest = max(2, round(_SHORTEST * fps))
+    begins = (height < CONTACTS.begins_below) & (speed < CONTACTS.begins_slower)
+    holds = (height < CONTACTS.ends_above) & (speed < CONTACTS.ends_faster)
+    shortest = max(2, round(CONTACTS.shortest * fps))
     columns = [_hysteresis(b, h, shortest) for b, h in zip(begins.T, holds.T, strict=True)]
     return np.stack(columns, axis=-1) if columns else np.zeros((len(points), 0), bool)
 
@@ -203,10 +190,10 @@ def _above_ground(points: Array, fps: float, size: float, up: int) -> Array:
     captures is not level; but not much above the lowest of all.
     """
     height = points[:, :, up] / size
-    reach = min(round(_STRIDE * fps), len(height) - 1)
+    reach = min(round(CONTACTS.stride * fps), len(height) - 1)
     padded = np.pad(height, ((reach, reach), (0, 0)), mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=0)
-    return height - np.minimum(windows.min(axis=-1), height.min(axis=0) + _UNLEVEL)
+    return height - np.minimum(windows.min(axis=-1), height.min(axis=0) + CONTACTS.unlevel)
 
 
 def _hysteresis(begins: Mask, holds: Mask, shortest: int) -> Mask:
@@ -239,6 +226,6 @@ def skate(points: Array, *, fps: float, size: float, up: int) -> float:
     """
     level = np.delete(points, up, axis=2)
     slide = np.linalg.norm(np.diff(level, axis=0), axis=-1) / size
-    height = _above_ground(points, fps, size, up) / _SKATE_HEIGHT
+    height = _above_ground(points, fps, size, up) / CONTACTS.skate_height
     weight = np.clip(2.0 - 2.0 ** (0.5 * (height[1:] + height[:-1])), 0.0, 1.0)
     return float(np.sum(weight * slide))

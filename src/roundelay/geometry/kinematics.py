@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
+from roundelay.geometry.thresholds import UPRIGHT
 
 __all__ = ["forward_kinematics", "heading", "vertical_axis"]
 
@@ -92,5 +93,6 @@ def vertical_axis(positions: Array, size: float) -> int:
     lowest = positions.min(axis=1)
     height = np.mean(positions.mean(axis=1) - lowest, axis=0)
     # A twentieth of the body is what a floor varies by at least (toes roll, heels lift).
-    fit = height / (np.std(lowest, axis=0) + 0.05 * size)
-    return 2 if fit[2] > 3.0 * max(fit[1], 0.0) and height[2] > 0.2 * size else 1
+    fit = height / (np.std(lowest, axis=0) + UPRIGHT.floor * size)
+    better = fit[2] > UPRIGHT.better * max(fit[1], 0.0)
+    return 2 if better and height[2] > UPRIGHT.height * size else 1

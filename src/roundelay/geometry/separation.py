@@ -24,29 +24,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import SMALLEST, TINY
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.collision import Capsules, collisions
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.skeleton import Skeleton
+from roundelay.geometry.thresholds import SEPARATION
 
-__all__ = ["CLEARANCE", "Body", "Separation", "deepest", "separate", "turned"]
+__all__ = ["Body", "Separation", "deepest", "separate", "turned"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Pair = tuple[str, str]
-
-# Standard deviation of a bump in seconds: it comes and goes as fast as limbs change direction.
-_BUMP = 0.1
-# A joint turns by at most so many radians: 15 degrees.
-_LARGEST = np.radians(15.0)
-# Body sizes that bones are parted beyond touching: feet are not locked alike at all frame rates.
-CLEARANCE = 0.002
-# Body sizes within which bones are watched so that they do not come to meet.
-_WATCHED = 0.01
-# A shorter lever, in body sizes, opens no gap.
-_LEVER = 0.02
-# Linearisations, and gaps in each: those that lack most.
-_ROUNDS, _MOST = 8, 500
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +76,10 @@ class Body:
         """Return the bumps (F, n) about frames (n,)."""
         apart = (np.arange(len(self.rotations))[:, None] - frames) / self.fps
         if not self.closed:
-            return np.asarray(np.exp(-0.5 * (apart / _BUMP) ** 2))
+            return np.asarray(np.exp(-0.5 * (apart / SEPARATION.bump) ** 2))
         period = len(self.rotations) / self.fps
         around = apart + period * np.arange(-2, 3)[:, None, None]
-        return np.asarray(np.exp(-0.5 * (around / _BUMP) ** 2).sum(axis=0))
+        return np.asarray(np.exp(-0.5 * (around / SEPARATION.bump) ** 2).sum(axis=0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +136,8 @@ def separate(body: Body, limits: Mapping[Pair, float]) -> Separation:
     -------
     Separation
     """
-    capsules, clearance = Capsules.of(body.skeleton), CLEARANCE * body.skeleton.size
+    capsules, clearance = Capsules.of(body.skeleton), SEPARATION.clearance * body.skeleton.size
+    largest = np.radians(SEPARATION.largest)
     names = [(body.skeleton.names[a], body.skeleton.names[b]) for a, b in capsules.lower]
     limit = body.skeleton.size * np.array([limits.get(pair, 0.0) for pair in names])
     still = np.zeros((*body.freedom.shape, 3))
@@ -160,7 +150,7 @@ def separate(body: Body, limits: Mapping[Pair, float]) -> Separation:
         turns = _least_turns(body, capsules, aims)
         excess = (_depths(body, capsules, turns) - aims).max(axis=1)
         angles = _angles(turns)
-        if angles.max(initial=0.0) <= _LARGEST and excess.max() <= clearance:
+        if angles.max(initial=0.0) <= largest and excess.max() <= clearance:
             return Separation(
                 turns,
                 {names[pair]: before[pair] > limit[pair] for pair in left},
@@ -168,7 +158,7 @@ def separate(body: Body, limits: Mapping[Pair, float]) -> Separation:
             )
         # First what stays, else what turns a joint too far, else all: the deepest is given up.
         stays = [pair for pair in left if excess[pair] > clearance]
-        far = [pair for pair in left if np.any(moves[pair] & (angles > _LARGEST))]
+        far = [pair for pair in left if np.any(moves[pair] & (angles > largest))]
         given_up = max(stays or far or left, key=lambda pair: float(over[pair]))
         left.remove(given_up)
         aims[given_up] = np.maximum(aims[given_up], before[given_up])
@@ -195,20 +185,20 @@ def _least_turns(body: Body, capsules: Capsules, aims: Array) -> Array:
     """Return the least turns (F, k, 3) that bring pairs to depths of at most `aims` (P, F)."""
     turns = np.zeros((*body.freedom.shape, 3))
     scale = 1.0 / np.sqrt(body.skeleton.moved_lengths[body.joints] / body.skeleton.size)
-    clearance = CLEARANCE * body.skeleton.size
-    for _ in range(_ROUNDS):
+    clearance, largest = SEPARATION.clearance * body.skeleton.size, np.radians(SEPARATION.largest)
+    for _ in range(SEPARATION.rounds):
         frame, lever, wanted, lack = _gaps(body, capsules, aims, turns)
-        if lack.max(initial=0.0) <= 0.5 * clearance:
+        if lack.max(initial=0.0) <= SEPARATION.lacking * clearance:
             break
         lever = lever * (body.freedom[frame] * scale)[..., None]
         bumps = body.kernel(frame)
         gram = np.einsum("cjx,djx->cd", lever, lever) * bumps[frame]
         # Neighbouring frames ask for nearly the same.
-        gram += 1e-6 * np.diag(gram).mean() * np.eye(len(gram))
-        push = _non_negative(gram, wanted, 0.1 * clearance)
+        gram += SEPARATION.ridge * np.diag(gram).mean() * np.eye(len(gram))
+        push = _non_negative(gram, wanted, SEPARATION.settled * clearance)
         turns = np.einsum("fc,c,cjx->fjx", bumps, push, lever, optimize=True)
         turns *= (body.freedom * scale)[..., None]
-        if _angles(turns).max(initial=0.0) > 1.5 * _LARGEST:
+        if _angles(turns).max(initial=0.0) > SEPARATION.overshoot * largest:
             break
     return turns
 
@@ -235,10 +225,10 @@ def _gaps(
     """
     size = body.skeleton.size
     places, orientations = body.placed(turns)
-    near = capsules.near(places, _WATCHED * size)
+    near = capsules.near(places, SEPARATION.watched * size)
     lack, frame = near.depth - aims[near.pair, near.frame], near.frame
     apart = near.first - near.second
-    normal = apart / np.maximum(np.linalg.norm(apart, axis=-1, keepdims=True), 1e-12)
+    normal = apart / np.maximum(np.linalg.norm(apart, axis=-1, keepdims=True), TINY)
     first, second = np.moveaxis(_moves(body, capsules)[near.pair], 1, 0)
     moved = np.where(first[..., None], near.first[:, None], near.second[:, None])
     arm = np.cross(moved - places[frame][:, body.joints], normal[:, None])
@@ -248,8 +238,8 @@ def _gaps(
     lever = sign[..., None] * rot.rotate(rot.conjugate(above), arm)
     wanted = lack + np.einsum("cjx,cjx->c", lever, turns[frame])
     free = np.linalg.norm(lever * body.freedom[frame][..., None], axis=(1, 2))
-    use = np.flatnonzero((lack > -_WATCHED * size) & (free > _LEVER * size))
-    use = use[np.argsort(-lack[use], kind="stable")[:_MOST]]
+    use = np.flatnonzero((lack > -SEPARATION.watched * size) & (free > SEPARATION.lever * size))
+    use = use[np.argsort(-lack[use], kind="stable")[: SEPARATION.most]]
     return frame[use], lever[use], wanted[use], lack[use]
 
 
@@ -265,9 +255,9 @@ def _non_negative(gram: Array, target: Array, tolerance: float) -> Array:
         trial = _solution(gram, target, free)
         while np.any(trial[free] <= 0.0):
             down = free & (trial <= 0.0)
-            step = np.min(x[down] / np.maximum(x[down] - trial[down], 1e-300))
+            step = np.min(x[down] / np.maximum(x[down] - trial[down], SMALLEST))
             x += step * (trial - x)
-            free &= x > 1e-12 * x.max()
+            free &= x > TINY * x.max()
             trial = _solution(gram, target, free)
         x = trial
     return x

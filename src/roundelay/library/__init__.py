@@ -12,6 +12,5 @@
 
 from roundelay.library.build import build_library
 from roundelay.library.catalogue import Library, Match
-from roundelay.library.clips import LoopOptions
 
-__all__ = ["Library", "LoopOptions", "Match", "build_library"]
+__all__ = ["Library", "Match", "build_library"]

@@ -12,13 +12,15 @@ from typing import Any
 
 from roundelay.base.errors import FormatError
 from roundelay.base.progress import Progress, report
+from roundelay.base.threads import one_thread
 from roundelay.base.version import __version__
 from roundelay.library.captures import find_captures
 from roundelay.library.catalogue import CATALOGUE, SIGNATURES, Library
-from roundelay.library.clips import LOOPS, Clip, LoopOptions, lost_clip, made_entry
+from roundelay.library.clips import LOOPS, Clip, lost_clip, made_entry
 from roundelay.library.groups import group_records, grouped, labelled
 from roundelay.library.store import Log, shelved, write_shelves, write_table
 from roundelay.library.workers import spread
+from roundelay.loops.options import LoopOptions
 from roundelay.output.records import write_json
 
 __all__ = ["build_library"]
@@ -27,6 +29,7 @@ Place = str | PathLike[str]
 Tell = Callable[[str], object]
 
 
+@one_thread
 def build_library(
     sources: Place | Sequence[Place],
     folder: Place,

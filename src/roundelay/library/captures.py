@@ -7,13 +7,13 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-__all__ = ["find_captures"]
+from roundelay.formats import in_words, readers, suffixes_of
 
-_SUFFIXES = (".bvh", ".amc")
+__all__ = ["find_captures"]
 
 
 def find_captures(sources: Sequence[Path], besides: Path) -> tuple[dict[str, Path], list[OSError]]:
-    """List the BVH and AMC files among files and below folders.
+    """List the files that a reader knows among files and below folders.
 
     Hidden ones are left out: what other systems keep beside each file has its suffix, too.
 
@@ -46,24 +46,26 @@ def find_captures(sources: Sequence[Path], besides: Path) -> tuple[dict[str, Pat
             found.update(_below(source, besides, faults))
         else:
             source.stat()
-            if source.suffix.lower() not in _SUFFIXES:
-                raise ValueError(f"expected a folder, BVH or AMC, found {source.name!r}")
+            if source.suffix.lower() not in suffixes_of(readers):
+                known = in_words(readers)
+                raise ValueError(f"expected a folder, {known}, found {source.name!r}")
             found.add(source)
     if not found:
         named = ", ".join(map(str, sources))
-        raise FileNotFoundError(errno.ENOENT, "expected BVH or AMC files, found none", named)
+        text = f"expected {in_words(readers)} files, found none"
+        raise FileNotFoundError(errno.ENOENT, text, named)
     root = os.path.commonpath([s if s.is_dir() else s.parent for s in sources])
     return {path.relative_to(root).as_posix(): path for path in sorted(found)}, faults
 
 
 def _below(top: Path, besides: Path, faults: list[OSError]) -> list[Path]:
-    found = []
+    found, suffixes = [], suffixes_of(readers)
     for place, folders, files in os.walk(top, onerror=faults.append):
         here = Path(place)
         folders[:] = [f for f in folders if not f.startswith(".") and here / f != besides]
         found += [
             here / file
             for file in files
-            if not file.startswith(".") and file.lower().endswith(_SUFFIXES)
+            if not file.startswith(".") and file.lower().endswith(suffixes)
         ]
     return found

@@ -12,6 +12,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from roundelay.base.errors import FormatError, SkeletonMismatch
+from roundelay.base.threads import one_thread
 from roundelay.compare.spectra import Spectra, least_distances
 from roundelay.cycles.cycle import Cycle
 from roundelay.library.store import Shelf, read_shelves
@@ -90,6 +91,7 @@ class Library:
         """The file and the record of every cycle."""
         return [(clip["file"], cycle) for clip in self.clips for cycle in clip["cycles"]]
 
+    @one_thread
     def search(self, query: Cycle, count: int | None = 10) -> tuple[list[Match], int]:
         """Find the cycles most like one, at the best offset in phase, mirrored or not.
 

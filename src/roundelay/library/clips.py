@@ -16,57 +16,21 @@ from roundelay.base.version import __version__
 from roundelay.compare.spectra import Spectra
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.separate import repaired, source_parts
-from roundelay.formats import read, write
-from roundelay.formats.asf import find_skeleton
+from roundelay.formats import files_of, read, write
 from roundelay.library.store import Entry
+from roundelay.loops.options import LoopOptions
 from roundelay.loops.quality import quality
-from roundelay.motion.motion import Motion, checked_rate
+from roundelay.motion.motion import Motion
 from roundelay.output.records import cycle_record
 from roundelay.pipeline import find_cycles
 from roundelay.segmentation import segment
 
-__all__ = ["LOOPS", "Clip", "LoopOptions", "lost_clip", "made_entry"]
+__all__ = ["LOOPS", "Clip", "lost_clip", "made_entry"]
 
 # The folder of a library that holds the loops.
 LOOPS = "loops"
-_FORMATS = ("bvh", "amc", "glb", "gltf")
 # What only the record of `roundelay loop` tells of a cycle: too long for thousands.
 _LEFT_OUT = ("barcode", "turns", "files")
-
-
-@dataclass(frozen=True)
-class LoopOptions:
-    """How loops are written.
-
-    Parameters
-    ----------
-    fps : float, optional
-        Frame rate; the capture's by default.
-    in_place : bool
-        Leave out the root's travel and turning.
-    repeat_first : bool
-        Append the frame that repeats the first.
-    repair : bool
-        Part limbs that pass through each other more than they do in the capture.
-    file_format : {"bvh", "amc", "glb", "gltf"}
-
-    Raises
-    ------
-    ValueError
-        If the rate is not positive or the format unknown.
-    """
-
-    fps: float | None = None
-    in_place: bool = False
-    repeat_first: bool = False
-    repair: bool = True
-    file_format: str = "bvh"
-
-    def __post_init__(self) -> None:
-        if self.fps is not None:
-            checked_rate(self.fps)
-        if self.file_format not in _FORMATS:
-            raise ValueError(f"expected a format among {_FORMATS}, found {self.file_format!r}")
 
 
 @dataclass(frozen=True)
@@ -103,9 +67,8 @@ class Clip:
         """Tell which version of the file is used, and how; None if it cannot be reached."""
         files = [self.path]
         try:
-            if self.path.suffix.lower() == ".amc":
-                with suppress(FormatError):
-                    files.append(find_skeleton(self.path))
+            with suppress(FormatError):
+                files = files_of(self.path)
             versions = [[file.stat().st_size, file.stat().st_mtime_ns] for file in files]
         except OSError:
             return None
@@ -197,9 +160,7 @@ def _written(clip: Clip, motion: Motion, cycles: Sequence[Cycle]) -> list[dict[s
     for number, found in enumerate(cycles, 1):
         parts = source_parts(found, motion)
         cycle, mended = repaired(found, parts) if options.repair else (found, ())
-        loop = cycle.sample(
-            options.fps, in_place=options.in_place, repeat_first=options.repeat_first
-        )
+        loop = cycle.sample(**options.sampling)
         ending = "" if number == 1 else str(number)
         path = clip.loops / f"{clip.path.stem}_loop{ending}.{options.file_format}"
         path.parent.mkdir(parents=True, exist_ok=True)

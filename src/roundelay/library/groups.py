@@ -10,16 +10,11 @@ from numpy.typing import NDArray
 
 from roundelay.compare.distances import cluster
 from roundelay.compare.spectra import least_distances
+from roundelay.compare.thresholds import GROUPS
 from roundelay.library.store import Shelf
 
 __all__ = ["group_records", "grouped", "labelled"]
 
-# Mean distance, in body sizes, up to which cycles are one motion. Captured walks of six people,
-# fast and slow, are joined below .047, runs of five people below .044; the walks and runs of CMU
-# would be joined at .06 and .074.
-_ALIKE = 0.05
-# Between cycles that cannot be compared, in body sizes.
-_FAR = 1e6
 # Cycles compared with all others at once.
 _ROWS = 256
 
@@ -35,7 +30,7 @@ def grouped(shelves: Sequence[Shelf]) -> tuple[list[int], list[int]]:
         The number of the most typical cycle of each group: the least far from the others.
     """
     distances = _distances(shelves)
-    labels = cluster(distances, within=_ALIKE)
+    labels = cluster(distances, within=GROUPS.alike)
     examples = []
     for label in range(len(set(labels))):
         rows = np.flatnonzero(labels == label)
@@ -54,7 +49,7 @@ def _distances(shelves: Sequence[Shelf]) -> NDArray[np.float32]:
             for other, first in [(one, start), *((shelf, 0) for shelf in shelves[:number])]:
                 block = least_distances(one.spectra[rows], other.spectra[first:])
                 place = np.ix_(one.numbers[rows], other.numbers[first:])
-                result[place] = np.minimum(block, _FAR)
+                result[place] = np.minimum(block, GROUPS.far)
                 result.T[place] = result[place]
     return result
 

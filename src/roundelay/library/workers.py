@@ -12,6 +12,8 @@ from itertools import islice
 from multiprocessing.connection import Connection, wait
 from typing import Any, Generic, NoReturn, TypeVar
 
+from roundelay.base.threads import one_thread
+
 __all__ = ["spread"]
 
 Task = TypeVar("Task")
@@ -108,6 +110,7 @@ class _Worker(Generic[Task, Result]):
         self.process.join()
 
 
+@one_thread
 def _serve(work: Callable[[Task], Result], pipe: Connection) -> None:
     # Ctrl-C reaches all processes of a terminal; the first one decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -143,7 +146,10 @@ def _uninterrupted() -> Iterator[None]:
 
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Keep the linear algebra of processes begun here to one thread, unless the user chose."""
+    """Let processes begun here load the linear algebra without a pool of threads.
+
+    They never use one, and a pool a process is many threads where there are many processors.
+    """
     names = [f"{library}_NUM_THREADS" for library in ("OPENBLAS", "MKL", "OMP")]
     ours = [name for name in names if name not in os.environ]
     os.environ.update(dict.fromkeys(ours, "1"))

@@ -8,18 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.numeric import SMALLEST
 from roundelay.base.spans import Span
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.models.constrained import finite_differences
 from roundelay.geometry import rotations as rot
+from roundelay.loops.thresholds import FIT
 from roundelay.motion.motion import Motion
 
 __all__ = ["Laid", "lay", "npss", "rmse"]
 
 Array = NDArray[np.float64]
-
-# Phases at which a cycle is laid against its capture, and the most frames of a run that decide.
-_GRID, _MOST = 256, 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,17 +51,17 @@ def lay(cycle: Cycle, motion: Motion, run: Span) -> Laid:
     differences of Euler angles).
     """
     capture = motion.rotations[slice(*run), 1:]
-    grid = cycle.rotations(np.arange(_GRID) / _GRID)[:, 1:]
+    grid = cycle.rotations(np.arange(FIT.phases) / FIT.phases)[:, 1:]
     steps = np.arange(len(capture)) / (cycle.period * motion.fps)
-    shown = np.linspace(0, len(capture) - 1, min(len(capture), _MOST)).astype(np.intp)
-    squares = np.zeros((len(shown), _GRID))
+    shown = np.linspace(0, len(capture) - 1, min(len(capture), FIT.frames)).astype(np.intp)
+    squares = np.zeros((len(shown), FIT.phases))
     for joint in range(capture.shape[1]):
         cosine = np.abs(capture[shown, joint] @ grid[:, joint].T)
         squares += (2.0 * np.arccos(np.minimum(cosine, 1.0))) ** 2
     distance, rows = np.sqrt(squares), np.arange(len(shown))
-    nearest = np.round(steps[shown] * _GRID).astype(np.intp)
-    sums = [distance[rows, (nearest + shift) % _GRID].sum() for shift in range(_GRID)]
-    phase = steps + int(np.argmin(sums)) / _GRID
+    nearest = np.round(steps[shown] * FIT.phases).astype(np.intp)
+    sums = [distance[rows, (nearest + shift) % FIT.phases].sum() for shift in range(FIT.phases)]
+    phase = steps + int(np.argmin(sums)) / FIT.phases
     return Laid(phase, capture, cycle.rotations(phase)[:, 1:])
 
 
@@ -102,9 +101,9 @@ def npss(truth: ArrayLike, other: ArrayLike, *, shift_invariant: bool = False) -
     """
     powers = [_power(np.asarray(values, float), shift_invariant) for values in (truth, other)]
     totals = [power.sum(axis=0) for power in powers]
-    shares = [p / np.maximum(t, 1e-300) for p, t in zip(powers, totals, strict=True)]
+    shares = [p / np.maximum(t, SMALLEST) for p, t in zip(powers, totals, strict=True)]
     moved = np.abs(np.cumsum(shares[0], axis=0) - np.cumsum(shares[1], axis=0)).sum(axis=0)
-    return float(moved @ totals[0] / max(float(totals[0].sum()), 1e-300))
+    return float(moved @ totals[0] / max(float(totals[0].sum()), SMALLEST))
 
 
 def _power(values: Array, shift_invariant: bool) -> Array:

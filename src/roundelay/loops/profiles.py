@@ -1,71 +1,92 @@
-"""What an engine needs to play a loop: root motion, phase markers, contacts, limbs that meet."""
+"""Export profiles: what the program that plays a loop is told, a record an engine or player."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from roundelay.base.registry import Registry
 from roundelay.base.spans import closed_spans
 from roundelay.cycles.contacts import standing_feet
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.separate import Mended
 from roundelay.geometry.collision import collisions
+from roundelay.loops.options import LoopOptions
 from roundelay.motion.motion import Motion
 
-__all__ = ["foot_contacts", "limb_record", "playback_record"]
+__all__ = ["Generic", "Profile", "foot_contacts", "limb_record", "profiles"]
 
 _MARKERS = 4
 
 
-def playback_record(
-    cycle: Cycle,
-    fps: float | None = None,
-    *,
-    periods: int = 1,
-    in_place: bool = False,
-    repeat_first: bool = False,
-    mended: Sequence[Mended] = (),
-) -> dict[str, Any]:
-    """Describe a loop as `Cycle.sample` makes it, for the engine that plays it.
+class Profile(Protocol):
+    """Tell the program that plays a loop what it needs to know."""
 
-    Parameters
-    ----------
-    cycle : Cycle
-    fps, periods, in_place, repeat_first
-        As given to `Cycle.sample`.
-    mended : sequence of Mended
-        What `roundelay.cycles.edit.separate.repaired` changed to make the cycle.
+    @property
+    def name(self) -> str:
+        """How ``roundelay loop --profile`` names it."""
+        ...
 
-    Returns
-    -------
-    dict
-        ``loop``: that the frame after the last is the first, moved on by the root motion;
-        ``frames`` of all periods and of one, without a repeated first; ``root_motion`` of one
-        period: displacement in the skeleton's unit, turning in degrees, whether it is in the
-        file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by its joint,
-        of half-open ranges of frames in which it stands, the second number beyond the period
-        where it stands across the seam; what `limb_record` tells of one period.
-    """
-    rate = cycle.fps if fps is None else fps
-    count = max(1, round(cycle.period * rate))
-    markers = [(k / _MARKERS, k * count / _MARKERS) for k in range(_MARKERS)]
-    return {
-        "loop": True,
-        "fps": rate,
-        "frames": count * periods,
-        "frames_per_period": count,
-        "first_repeated": repeat_first,
-        "root_motion": {
-            "travel": cycle.travel.tolist(),
-            "turning_degrees": float(np.degrees(cycle.turning)),
-            "up": "XYZ"[cycle.up],
-            "in_file": not in_place,
-        },
-        "markers": [{"phase": phase, "frame": frame} for phase, frame in markers],
-        "contacts": foot_contacts(cycle, rate),
-    } | limb_record(cycle.sample(rate), mended)
+    def record(
+        self, cycle: Cycle, written: LoopOptions, mended: Sequence[Mended] = ()
+    ) -> dict[str, Any]:
+        """Describe a loop as plain data, for JSON.
+
+        Parameters
+        ----------
+        cycle : Cycle
+        written : LoopOptions
+            How the loop is sampled.
+        mended : sequence of Mended
+            What `roundelay.cycles.edit.separate.repaired` changed to make the cycle.
+        """
+        ...
+
+
+class Generic:
+    """What any engine needs: root motion, phase markers, contacts, limbs that meet."""
+
+    name = "generic"
+
+    def record(
+        self, cycle: Cycle, written: LoopOptions, mended: Sequence[Mended] = ()
+    ) -> dict[str, Any]:
+        """Describe a loop as `Cycle.sample` makes it, for the engine that plays it.
+
+        Returns
+        -------
+        dict
+            ``loop``: that the frame after the last is the first, moved on by the root motion;
+            ``frames`` of all periods and of one, without a repeated first; ``root_motion`` of one
+            period: displacement in the skeleton's unit, turning in degrees, whether it is in the
+            file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by its joint,
+            of half-open ranges of frames in which it stands, the second number beyond the period
+            where it stands across the seam; what `limb_record` tells of one period.
+        """
+        rate = cycle.fps if written.fps is None else written.fps
+        count = max(1, round(cycle.period * rate))
+        markers = [(k / _MARKERS, k * count / _MARKERS) for k in range(_MARKERS)]
+        return {
+            "loop": True,
+            "fps": rate,
+            "frames": count * written.periods,
+            "frames_per_period": count,
+            "first_repeated": written.repeat_first,
+            "root_motion": {
+                "travel": cycle.travel.tolist(),
+                "turning_degrees": float(np.degrees(cycle.turning)),
+                "up": "XYZ"[cycle.up],
+                "in_file": not written.in_place,
+            },
+            "markers": [{"phase": phase, "frame": frame} for phase, frame in markers],
+            "contacts": foot_contacts(cycle, rate),
+        } | limb_record(cycle.sample(rate, foot_lock=written.foot_lock), mended)
+
+
+profiles: Registry[Profile] = Registry("profile", "roundelay.profiles", Profile)
+profiles.add(Generic())
 
 
 def limb_record(motion: Motion, mended: Sequence[Mended] = ()) -> dict[str, Any]:

@@ -7,13 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import expected
 from roundelay.base.errors import TooShort
 from roundelay.base.spans import Span
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import find_feet, foot_points, skate
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.loops.fit import Laid, lay, npss, rmse
+from roundelay.loops.thresholds import QUALITY
 from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
 
@@ -23,8 +26,6 @@ Array = NDArray[np.float64]
 
 # Third derivative, forward, of 4th order (Fornberg 1988; [A] 6.3).
 _JERK = np.array([-49 / 8, 29, -461 / 8, 62, -307 / 8, 13, -15 / 8])
-# Parts of the circle that are looked for.
-_CELLS = 32
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,7 @@ class Quality:
     coverage: float
 
 
+@one_thread
 def quality(cycle: Cycle, motion: Motion) -> Quality:
     """Measure a cycle against the capture it was found in.
 
@@ -106,6 +108,7 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
     ValueError
         If the cycle carries no evidence of where it was found.
     """
+    cycle, motion = expected(Cycle, cycle), expected(Motion, motion)
     if cycle.evidence is None:
         raise ValueError("expected a cycle found in a capture, with its evidence")
     motion, runs = motion.with_root_motion(), cycle.evidence.runs
@@ -124,7 +127,7 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
         seam_rotation=float(steps[0]),
         step_rotation=float(steps[1:].max(initial=0.0)),
         seam_velocity=float(velocity_changes(around, motion.fps).max()),
-        capture_velocity=float(np.percentile(changes, 95)),
+        capture_velocity=float(np.percentile(changes, QUALITY.usual)),
         loop_jerk=_mean_jerk(np.concatenate([places, places[:6]]), fps=motion.fps),
         capture_jerk=_mean_jerk(*[source[a:b] for a, b in runs], fps=motion.fps),
         template_error=template,
@@ -175,8 +178,9 @@ def _likeness(laid: list[Laid], *, shift_invariant: bool) -> float:
 
 
 def _coverage(laid: list[Laid]) -> float:
-    cells = [np.floor(part.phase * _CELLS).astype(int) % _CELLS for part in laid]
-    return len(np.unique(np.concatenate(cells))) / _CELLS
+    count = QUALITY.cells
+    cells = [np.floor(part.phase * count).astype(int) % count for part in laid]
+    return len(np.unique(np.concatenate(cells))) / count
 
 
 def jerk(values: ArrayLike, fps: float) -> Array:
@@ -205,4 +209,4 @@ def velocity_changes(points: Array, fps: float) -> Array:
     """Return RMS over joints of how much velocity changes at each inner frame."""
     change = np.diff(points, n=2, axis=0) * fps
     # Of three values a joint.
-    return np.asarray(np.sqrt(3.0 * np.mean(change**2, axis=1)))
+    return np.asarray(np.sqrt(3 * np.mean(change**2, axis=1)))

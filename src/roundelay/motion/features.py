@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import SkeletonMismatch
+from roundelay.base.numeric import TINY
+from roundelay.base.threads import one_thread
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import find_feet, free_limbs
 from roundelay.geometry.kinematics import forward_kinematics, heading
@@ -59,7 +61,7 @@ class MotionPoses:
             raise ValueError(f"expected weights among {tuple(factors)}, found {weights!r}")
         values, chosen = _features(motion, features), factors[weights]
         if chosen is not None:
-            values = values * (chosen / max(float(chosen.max()), 1e-12))[:, None]
+            values = values * (chosen / max(float(chosen.max()), TINY))[:, None]
         self.names = skeleton.names[1:]
         self.values = values[:, 1:]
         self.fps, self.size = motion.fps, skeleton.size
@@ -75,6 +77,7 @@ class MotionPoses:
         return {name: inside for name, inside in points.items() if inside}
 
 
+@one_thread
 def point_cloud(
     motion: Motion,
     features: Features = "positions",
@@ -156,7 +159,7 @@ def _unwrap_vectors(vectors: Array) -> Array:
     result = vectors.copy()
     for frame in range(1, len(vectors)):
         angle = np.linalg.norm(vectors[frame], axis=-1, keepdims=True)
-        axis = vectors[frame] / np.maximum(angle, 1e-12)
+        axis = vectors[frame] / np.maximum(angle, TINY)
         along = np.sum(axis * result[frame - 1], axis=-1, keepdims=True)
         result[frame] += np.round((along - angle) / (2 * np.pi)) * 2 * np.pi * axis
     return result

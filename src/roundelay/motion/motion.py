@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import expected
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.skeleton import Skeleton
@@ -19,12 +20,12 @@ from roundelay.geometry.symmetry import (
     reflection,
 )
 
-__all__ = ["Motion", "checked_rate", "concatenate"]
+__all__ = ["FASTEST", "Motion", "checked_rate", "concatenate"]
 
 Array = NDArray[np.float64]
 
 # Frames a second; none is shown or filmed faster, and a slip of the keyboard would fill memory.
-_FASTEST = 10_000.0
+FASTEST = 10_000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,9 +276,9 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
     """
     if not motions:
         raise ValueError("expected at least one motion")
-    first = motions[0]
+    first = expected(Motion, motions[0])
     for other in motions[1:]:
-        first.skeleton.require_same(other.skeleton)
+        first.skeleton.require_same(expected(Motion, other).skeleton)
         if not np.isclose(other.frame_time, first.frame_time, rtol=1e-4):
             raise ValueError(f"expected one frame rate, found {first.fps:g} and {other.fps:g} fps")
     moved = None
@@ -305,8 +306,8 @@ def checked_rate(fps: float) -> float:
     ValueError
         If it is not positive, or beyond 10,000.
     """
-    if not 0.0 < fps <= _FASTEST:
-        raise ValueError(f"expected a positive frame rate up to {_FASTEST:g}, found {fps:g}")
+    if not 0.0 < fps <= FASTEST:
+        raise ValueError(f"expected a positive frame rate up to {FASTEST:g}, found {fps:g}")
     return fps
 
 

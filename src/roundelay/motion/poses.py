@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import SkeletonMismatch
+from roundelay.base.numeric import SMALLEST
 from roundelay.base.spans import Span
+from roundelay.motion.thresholds import POSES
 
 __all__ = [
     "PoseArray",
@@ -154,7 +156,7 @@ def _bridged(values: Array, missing: Mask) -> Array:
     return result
 
 
-def principal_components(points: ArrayLike, dimensions: int | float = 0.99) -> Array:
+def principal_components(points: ArrayLike, dimensions: int | float) -> Array:
     """Project centred points on their principal axes ([A] 5.1).
 
     Parameters
@@ -174,7 +176,7 @@ def principal_components(points: ArrayLike, dimensions: int | float = 0.99) -> A
     variance, axes = np.linalg.eigh(centred.T @ centred)
     variance, axes = np.maximum(variance[::-1], 0.0), axes[:, ::-1]
     if isinstance(dimensions, float):
-        held = np.cumsum(variance) / max(float(variance.sum()), 1e-300)
+        held = np.cumsum(variance) / max(float(variance.sum()), SMALLEST)
         dimensions = int(np.searchsorted(held, dimensions)) + 1
     axes = axes[:, :dimensions]
     largest = np.take_along_axis(axes, np.argmax(np.abs(axes), axis=0)[None], axis=0)
@@ -229,7 +231,7 @@ def with_velocity(points: ArrayLike, runs: Sequence[Span], period: float) -> Arr
     x = np.asarray(points, float)
     # Slopes of local lines over a twelfth of the period: long against noise, short against
     # the motion.
-    reach = max(1, round(period / 24.0))
+    reach = max(1, round(period / POSES.slope))
     slopes = [_local_slopes(x[start:stop], reach) for start, stop in runs]
     taken = np.concatenate([x[start:stop] for start, stop in runs])
     return np.hstack([taken, np.concatenate(slopes) * (period / (2 * np.pi))])
@@ -251,7 +253,7 @@ def _local_slopes(values: Array, reach: int) -> Array:
     )
     count = (last - first + 1).astype(float)
     middle = 0.5 * (first + last)
-    spread = count * (count**2 - 1.0) / 12.0
+    spread = count * (count**2 - 1.0) / 12
     total, moment = sums[last + 1] - sums[first], moments[last + 1] - moments[first]
     return (moment - middle[:, None] * total) / spread[:, None]
 
@@ -262,5 +264,7 @@ def leading_rest_pose(points: ArrayLike) -> bool:
     MotionBuilder-friendly conversions put a T-pose there; it is farther from the second frame
     than frames of a movement ever are from each other.
     """
-    steps = np.linalg.norm(np.diff(np.asarray(points, float)[:200], axis=0), axis=1)
-    return len(steps) > 3 and bool(steps[0] > 5.0 * steps[1:].max() and steps[0] > 0.0)
+    steps = np.linalg.norm(np.diff(np.asarray(points, float)[: POSES.rest_frames], axis=0), axis=1)
+    if len(steps) <= POSES.rest_fewest:
+        return False
+    return bool(steps[0] > POSES.rest_step * steps[1:].max() and steps[0] > 0.0)

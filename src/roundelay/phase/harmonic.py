@@ -15,6 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
+from roundelay.base.numeric import ROUNDING, SMALL, smoothstep
+from roundelay.phase.thresholds import CROSSFADE, HARMONIC
+
 __all__ = [
     "HarmonicCurve",
     "crossfade_weights",
@@ -24,9 +28,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-# Strengths of the roughness penalty that are tried.
-_PENALTIES = np.geomspace(1e-9, 1e-1, 25)
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,8 @@ class HarmonicCurve:
     constant: Array
     sine: Array
     cosine: Array
+
+    __repr__ = brief
 
     def __call__(self, phase: ArrayLike, derivative: int = 0) -> Array:
         """Evaluate the curve or a derivative by phase.
@@ -119,18 +122,15 @@ def _waves(phase: ArrayLike, frequencies: Array, derivative: int = 0) -> Array:
     return np.hstack([scale * np.sin(angle), scale * np.cos(angle)])
 
 
-def highest_harmonic(period: float, *, bandwidth: float = 15.0) -> int:
+def highest_harmonic(period: float) -> int:
     """Return the number of harmonics that a motion of this period can need.
 
     Parameters
     ----------
     period : float
         Seconds.
-    bandwidth : float
-        Hz; people's movement, foot strikes included, lies below (gait laboratories filter
-        marker paths at 6 to 15 Hz).
     """
-    return int(np.clip(np.ceil(bandwidth * period), 5, 60))
+    return int(np.clip(np.ceil(HARMONIC.bandwidth * period), HARMONIC.fewest, HARMONIC.most))
 
 
 def crossfade_weights(turns: ArrayLike, runs: list[tuple[int, int]]) -> Array:
@@ -160,10 +160,10 @@ def crossfade_weights(turns: ArrayLike, runs: list[tuple[int, int]]) -> Array:
             weights[start:stop] = 1.0
             continue
         # Where more is seen twice, as much as possible counts in full.
-        fade = np.clip(length - 1.0, 0.05, 0.1)
+        fade = np.clip(length - 1.0, CROSSFADE.shortest, CROSSFADE.longest)
         ramp = np.clip(np.minimum(made, length - made) / fade, 0.0, 1.0)
-        weights[start:stop] = ramp * ramp * (3.0 - 2.0 * ramp)
-    return np.maximum(weights, 1e-6 * (weights > 0))
+        weights[start:stop] = smoothstep(ramp)
+    return np.maximum(weights, CROSSFADE.least * (weights > 0))
 
 
 def fit_harmonic(
@@ -214,17 +214,18 @@ def _cross_validated(design: Array, values: Array, rough: Array) -> Array:
     """Solve the ridge problem with penalty diag(rough), strength by GCV a column."""
     n = len(design)
     # In units of the penalty the Gram matrix is diagonal for all strengths at once.
-    gram = design.T @ design + 1e-9 * n * np.eye(len(rough))
+    gram = design.T @ design + ROUNDING * n * np.eye(len(rough))
     low = np.linalg.cholesky(gram)
     half = np.linalg.solve(low, np.diag(np.sqrt(rough)))
     strength, axes = np.linalg.eigh(half @ half.T)
     strength = np.maximum(strength, 0.0)
     target = axes.T @ np.linalg.solve(low, design.T @ values)
     total = np.einsum("ij,ij->j", values, values)
-    kept = 1.0 / (1.0 + n * _PENALTIES[:, None] * strength)
+    penalties = np.geomspace(HARMONIC.least_penalty, HARMONIC.largest_penalty, HARMONIC.penalties)
+    kept = 1.0 / (1.0 + n * penalties[:, None] * strength)
     # |y - X b|^2 = |y|^2 - sum (2 kept - kept^2) target^2
-    residual = np.maximum(total - (2.0 * kept - kept**2) @ target**2, 1e-30)
-    freedom = np.maximum(n - kept.sum(axis=1), 1e-3)
+    residual = np.maximum(total - (2.0 * kept - kept**2) @ target**2, SMALL)
+    freedom = np.maximum(n - kept.sum(axis=1), HARMONIC.least_freedom)
     best = np.argmin(residual / freedom[:, None] ** 2, axis=0)
     shrink = kept[best].T
     return np.asarray(np.linalg.solve(low.T, axes @ (shrink * target)))

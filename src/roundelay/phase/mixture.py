@@ -8,6 +8,10 @@ from math import erfc
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
+from roundelay.base.numeric import TINY
+from roundelay.phase.thresholds import MIXTURE
+
 __all__ = ["CircularMixture", "fit_circular_mixture"]
 
 Array = NDArray[np.float64]
@@ -26,6 +30,8 @@ class CircularMixture:
     means: Array
     variances: Array
     shares: Array
+
+    __repr__ = brief
 
     def density(self, phase: ArrayLike) -> Array:
         """Return the density (n,) at phases (n,), with an integral of 1 over [0, 1)."""
@@ -51,31 +57,27 @@ class CircularMixture:
         return np.array(normal).reshape(scaled.shape) @ self.shares
 
 
-def fit_circular_mixture(
-    phase: ArrayLike, *, components: int = 30, iterations: int = 100, least_variance: float = 1e-5
-) -> CircularMixture:
-    """Fit a mixture by expectation and maximisation; the defaults are those of [A] 6.1.
+def fit_circular_mixture(phase: ArrayLike) -> CircularMixture:
+    """Fit a mixture by expectation and maximisation, as [A] 6.1 does.
 
     Parameters
     ----------
     phase : (n,) array_like
         In turns.
-    components, iterations : int
-    least_variance : float
-        Added to every component's variance.
     """
+    components = MIXTURE.components
     theta = np.asarray(phase, float) % 1.0
     x = np.concatenate([theta - 1.0, theta, theta + 1.0])
     means = np.quantile(x, (np.arange(components) + 0.5) / components)
-    variances = np.full(components, (3.0 / components) ** 2)
+    variances = np.full(components, (3 / components) ** 2)
     shares = np.full(components, 1.0 / components)
-    for _ in range(iterations):
+    for _ in range(MIXTURE.iterations):
         logs = np.log(shares / np.sqrt(variances)) - 0.5 * (x[:, None] - means) ** 2 / variances
         member = np.exp(logs - logs.max(axis=1, keepdims=True))
         member /= member.sum(axis=1, keepdims=True)
-        weight = member.sum(axis=0) + 1e-12
+        weight = member.sum(axis=0) + TINY
         means = (x @ member) / weight
         spread = np.sum(member * (x[:, None] - means) ** 2, axis=0)
-        variances = spread / weight + least_variance
+        variances = spread / weight + MIXTURE.least_variance
         shares = weight / weight.sum()
     return CircularMixture(means, variances, shares)

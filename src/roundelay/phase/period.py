@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
+from roundelay.base.numeric import ROUNDING, TINY
 from roundelay.base.spans import Span
 
 __all__ = ["line_period", "return_period", "rising"]
@@ -30,7 +31,7 @@ def line_period(turns: ArrayLike, runs: Sequence[Span]) -> float:
     made = frames = 0.0
     for start, stop in runs:
         time = np.arange(stop - start) - 0.5 * (stop - start - 1)
-        slope = float(time @ np.asarray(turns, float)[start:stop]) / max(float(time @ time), 1e-12)
+        slope = float(time @ np.asarray(turns, float)[start:stop]) / max(float(time @ time), TINY)
         made, frames = made + slope * (stop - start), frames + (stop - start)
     if made <= 0.0:
         raise TooShort("the circular coordinate does not advance with time")
@@ -63,4 +64,4 @@ def return_period(turns: ArrayLike, runs: Sequence[Span]) -> float:
 def rising(turns: Array) -> Array:
     """Return the smallest strictly rising curve above `turns`, so that it can be inverted."""
     highest = np.maximum.accumulate(turns)
-    return highest + 1e-9 * np.arange(len(highest))
+    return highest + ROUNDING * np.arange(len(highest))

@@ -14,17 +14,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.errors import TooShort
 from roundelay.base.spans import Span
 from roundelay.phase.mixture import fit_circular_mixture
 from roundelay.phase.period import rising
+from roundelay.phase.thresholds import PHASE_MAP
 
 __all__ = ["PhaseMap", "mixture_remap", "phase_map", "rank_remap"]
 
 Array = NDArray[np.float64]
-
-# The share of the circle that must be passed for its timing to be known.
-_COVERED = 0.95
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,8 @@ class PhaseMap:
     phase: Array
     period: float
 
+    __repr__ = brief
+
     def __call__(self, turns: ArrayLike) -> Array:
         """Map unwrapped coordinates (n,) to unwrapped time phases, both in turns."""
         x = np.asarray(turns, float)
@@ -50,7 +51,7 @@ class PhaseMap:
         return np.asarray(whole + np.interp(x - whole, grid, self.phase))
 
 
-def phase_map(turns: ArrayLike, runs: Sequence[Span], *, cells: int = 128) -> PhaseMap:
+def phase_map(turns: ArrayLike, runs: Sequence[Span]) -> PhaseMap:
     """Estimate time from structure by the speed of traversal.
 
     The circle is cut into equal cells; each passage of a run through a cell takes some time;
@@ -62,14 +63,13 @@ def phase_map(turns: ArrayLike, runs: Sequence[Span], *, cells: int = 128) -> Ph
     turns : (n,) array_like
         Unwrapped coordinate, one a frame, advancing with time.
     runs : sequence of (start, stop)
-    cells : int
-        Number of cells.
 
     Raises
     ------
     TooShort
         If less than 95 % of the circle is passed; cells that are not get the mean time.
     """
+    cells = PHASE_MAP.cells
     total, passages = np.zeros(cells), np.zeros(cells)
     for start, stop in runs:
         risen = rising(np.asarray(turns, float)[start:stop])
@@ -80,7 +80,7 @@ def phase_map(turns: ArrayLike, runs: Sequence[Span], *, cells: int = 128) -> Ph
         np.add.at(total, cell, np.diff(times))
         np.add.at(passages, cell, 1.0)
     seen = passages > 0.0
-    if np.mean(seen) < _COVERED:
+    if np.mean(seen) < PHASE_MAP.covered:
         raise TooShort(f"the motion covers only {np.mean(seen):.0%} of one period")
     dwell = np.full(cells, float(np.mean(total[seen] / passages[seen])))
     dwell[seen] = total[seen] / passages[seen]

@@ -12,20 +12,12 @@ from roundelay.motion.poses import principal_components
 from roundelay.phase.harmonic import crossfade_weights, fit_harmonic, highest_harmonic
 from roundelay.phase.period import line_period
 from roundelay.phase.phase_map import phase_map
+from roundelay.phase.thresholds import TEMPO
 from roundelay.phase.unwrap import smooth_turns
 
 __all__ = ["agreement_period", "lowest_between", "time_phase"]
 
 Array = NDArray[np.float64]
-
-# Widths, in periods, over which the tempo may be steadied where it is not constant.
-_TEMPO_WIDTHS = (1.5, 0.5, 0.15, 0.05)
-# A steadier tempo is preferred while it leaves less than this share more of the poses'
-# variance unexplained.
-_TOLERANCE = 0.01
-_ENOUGH_HARMONICS = 12
-# The period is looked for within this share of its first estimate.
-_PERIOD_REACH = 0.06
 
 
 def time_phase(points: Array, turns: Array, runs: Sequence[Span], *, frame_time: float) -> Array:
@@ -53,11 +45,11 @@ def time_phase(points: Array, turns: Array, runs: Sequence[Span], *, frame_time:
     mapping = phase_map(turns, runs)
     raw = np.where(np.isfinite(turns), mapping(np.nan_to_num(turns)), np.nan)
     inside = np.concatenate([np.arange(*run) for run in runs])
-    reduced = principal_components(points[inside], 0.98)
+    reduced = principal_components(points[inside], TEMPO.variance)
     poses = np.zeros((len(points), reduced.shape[1]))
     poses[inside] = reduced
     period = agreement_period(poses, runs, line_period(raw, runs))
-    count = min(highest_harmonic(period * frame_time), _ENOUGH_HARMONICS)
+    count = min(highest_harmonic(period * frame_time), TEMPO.harmonics)
 
     def misfit(phase: Array) -> float:
         weights = crossfade_weights(phase, list(runs))[inside]
@@ -65,12 +57,12 @@ def time_phase(points: Array, turns: Array, runs: Sequence[Span], *, frame_time:
         squares = np.sum((curve(phase[inside]) - reduced) ** 2, axis=1)
         return float(weights @ squares / weights.sum())
 
-    loosest = smooth_turns(raw, runs, _TEMPO_WIDTHS[-1] * period)
-    limit = misfit(loosest) + _TOLERANCE * float(np.sum(np.var(reduced, axis=0)))
+    loosest = smooth_turns(raw, runs, TEMPO.widths[-1] * period)
+    limit = misfit(loosest) + TEMPO.tolerance * float(np.sum(np.var(reduced, axis=0)))
     steady = _one_tempo(raw, runs, period)
     if misfit(steady) <= limit:
         return steady
-    for width in _TEMPO_WIDTHS[:-1]:
+    for width in TEMPO.widths[:-1]:
         phase = smooth_turns(raw, runs, width * period)
         if misfit(phase) <= limit:
             return phase
@@ -92,7 +84,7 @@ def agreement_period(poses: Array, runs: Sequence[Span], period: float) -> float
     float
         In frames; between whole lags by the parabola through three.
     """
-    reach = max(2, round(_PERIOD_REACH * period))
+    reach = max(2, round(TEMPO.reach * period))
     lags = np.arange(max(2, round(period) - reach), round(period) + reach + 1)
     apart = _disagreement([_squares_apart(poses[slice(*run)]) for run in runs], lags)
     if not np.isfinite(apart).all():

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.spans import Span
+from roundelay.phase.thresholds import TEMPO
 
 __all__ = ["smooth_turns", "unwrap"]
 
@@ -64,7 +65,7 @@ def _local_lines(values: Array, width: float) -> Array:
     time = np.arange(len(values), dtype=float)
     if not np.isfinite(width):
         return np.asarray(np.polyval(np.polyfit(time, values, 1), time))
-    reach = min(int(np.ceil(4.0 * width)), len(values) - 1)
+    reach = min(int(np.ceil(TEMPO.kernel * width)), len(values) - 1)
     offset = np.arange(-reach, reach + 1, dtype=float)
     weight = np.exp(-0.5 * (offset / width) ** 2)
     ones = np.ones(len(values))

@@ -21,7 +21,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.errors import NoPeriod, TooShort
+from roundelay.base.threads import one_thread
 from roundelay.cycles.models.constrained import M1, Model, fit_model
 from roundelay.phase.harmonic import HarmonicCurve
 from roundelay.phase.period import line_period
@@ -92,6 +94,8 @@ class PaperCycle:
     errors: tuple[float, float, float]
     barcode: Barcode = field(repr=False)
 
+    __repr__ = brief
+
     @property
     def period_count(self) -> float:
         """Periods in the frames used."""
@@ -102,6 +106,7 @@ class PaperCycle:
         return self.curve(np.arange(int(self.period)) / self.period)
 
 
+@one_thread
 def extract(values: ArrayLike, options: PaperOptions | None = None) -> PaperCycle:
     """Extract the periodic motion of a capture.
 

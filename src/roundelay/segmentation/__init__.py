@@ -4,6 +4,7 @@
 "Segmenting Motion Capture Data into Distinct Behaviors", Graphics Interface 2004.
 """
 
+from roundelay.segmentation.cutting import method_names, segment, segment_channels, segmented
 from roundelay.segmentation.features import (
     STANDARD_JOINTS,
     corresponding_joints,
@@ -11,7 +12,8 @@ from roundelay.segmentation.features import (
 )
 from roundelay.segmentation.gaussian import GaussianOptions
 from roundelay.segmentation.gmm import GMMOptions
-from roundelay.segmentation.methods import Method, segment, segment_channels
+from roundelay.segmentation.method import Channels, Cuts, SegmentationMethod
+from roundelay.segmentation.methods import segmentation_methods
 from roundelay.segmentation.pca import OnlinePCA, PCAOptions
 from roundelay.segmentation.ppca import OnlinePPCA, PPCAOptions
 from roundelay.segmentation.result import Curve, Segment, Segmentation
@@ -21,10 +23,11 @@ __all__ = [
     "STANDARD_JOINTS",
     "TOLERANCES",
     "Agreement",
+    "Channels",
     "Curve",
+    "Cuts",
     "GMMOptions",
     "GaussianOptions",
-    "Method",
     "OnlinePCA",
     "OnlinePPCA",
     "PCAOptions",
@@ -32,11 +35,15 @@ __all__ = [
     "Score",
     "Segment",
     "Segmentation",
+    "SegmentationMethod",
     "Truth",
     "corresponding_joints",
     "joint_quaternions",
+    "method_names",
     "pooled",
     "score",
     "segment",
     "segment_channels",
+    "segmentation_methods",
+    "segmented",
 ]

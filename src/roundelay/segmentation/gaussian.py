@@ -14,11 +14,15 @@ over the capture's principal variances v. See `roundelay.segmentation.model`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import SMALLEST
+from roundelay.base.options import Checked, option
 from roundelay.segmentation.model import GaussianModel
+from roundelay.segmentation.thresholds import GAUSSIAN
 
 __all__ = [
     "GaussianOptions",
@@ -29,18 +33,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-# Cuts are first sought on a grid this wide (seconds), then moved by up to the second.
-_GRID = 1 / 3
-_REACH = 1.0
-# A cut prefers moments of little motion: its prior is speed to minus this power.
-_CALM = 2.0
-# Candidates for a segment's start older than this (seconds) must be among so many best.
-_MEMORY = 12.0
-_VETERANS = 15
-
 
 @dataclass(frozen=True)
-class GaussianOptions:
+class GaussianOptions(Checked):
     """Choices of the piecewise Gaussian method; none needs to be made.
 
     Parameters
@@ -50,25 +45,20 @@ class GaussianOptions:
     n_segments : int, optional
         Make exactly this many segments instead.
     resolution : float, optional
-        Standard deviation that is too small to matter, in the unit of the values; by default
-        .15 rad for motions, and .15 of the total standard deviation for bare channels.
+        Standard deviation that is too small to matter: in radians for motions, by default .15;
+        for bare channels in their unit, by default .15 of the total standard deviation.
     shortest : float
         Seconds a behaviour lasts at least.
     """
 
-    sensitivity: float = 1.0
-    n_segments: int | None = None
-    resolution: float | None = None
-    shortest: float = 1.0
+    title: ClassVar[str] = "Cuts by change of posture (gaussian)"
 
-    def __post_init__(self) -> None:
-        for name in ("sensitivity", "shortest"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"expected a positive {name}, found {getattr(self, name)}")
-        if self.resolution is not None and not self.resolution > 0.0:
-            raise ValueError(f"expected a positive resolution, found {self.resolution}")
-        if self.n_segments is not None and self.n_segments < 1:
-            raise ValueError(f"expected at least one segment, found n_segments={self.n_segments}")
+    sensitivity: float = option(1.0, "2 finds finer behaviours, 0.5 coarser ones.", above=0)
+    n_segments: int | None = option(None, "Make exactly so many.", least=1, flag="segments")
+    resolution: float | None = option(
+        None, "Standard deviation of poses that is too small to matter.", unit="radians", above=0
+    )
+    shortest: float = option(1.0, "A behaviour lasts at least so long.", unit="seconds", above=0)
 
 
 def gaussian_cuts(model: GaussianModel, options: GaussianOptions) -> list[int]:
@@ -116,24 +106,24 @@ def _search(model: GaussianModel, shortest: float, evidence: float) -> list[int]
         best[stop], previous[stop] = reached[winner] + penalty, starts[winner]
         # A start worse than a cut here stays so, once a segment from here is long enough.
         doomed[(reached > best[stop]) & np.isinf(doomed)] = stop + least
-        alive = (doomed > stop) & _remembered(reached, (stop - starts) * _GRID)
+        alive = (doomed > stop) & _remembered(reached, (stop - starts) * GAUSSIAN.grid)
         starts, doomed = starts[alive], doomed[alive]
     return [int(grid[place]) for place in _traced(previous)]
 
 
 def _grid(model: GaussianModel, shortest: float) -> tuple[NDArray[np.intp], int]:
     """Return the boundaries cuts are sought at, and how many steps the shortest segment has."""
-    step = max(1, round(_GRID * model.fps))
+    step = max(1, round(GAUSSIAN.grid * model.fps))
     inner = np.arange(0, len(model) - step + 1, step)
     return np.append(inner, len(model)), max(1, int(np.ceil(shortest * model.fps / step)))
 
 
 def _remembered(reached: Array, age: Array) -> NDArray[np.bool_]:
     """Keep recent starts and the best of the old ones: time then grows with length only."""
-    old = np.flatnonzero(age > _MEMORY)
+    old = np.flatnonzero(age > GAUSSIAN.memory)
     keep = np.ones(len(age), dtype=bool)
-    if len(old) > _VETERANS:
-        keep[old[np.argsort(reached[old], kind="stable")[_VETERANS:]]] = False
+    if len(old) > GAUSSIAN.veterans:
+        keep[old[np.argsort(reached[old], kind="stable")[GAUSSIAN.veterans :]]] = False
     return keep
 
 
@@ -153,8 +143,8 @@ def _exactly(model: GaussianModel, shortest: float, count: int) -> list[int]:
             f"expected at most {len(cuts) + 1} segments of at least {shortest:g} s in "
             f"{len(model) / model.fps:.1f} s, found n_segments={count}"
         )
-    low, high = -7.0, 7.0
-    for _ in range(14):
+    low, high = -GAUSSIAN.penalties, GAUSSIAN.penalties
+    for _ in range(GAUSSIAN.bisections):
         middle = 0.5 * (low + high)
         trial = _search(model, shortest, np.exp(middle))
         low, high = (middle, high) if len(trial) + 1 >= count else (low, middle)
@@ -179,7 +169,7 @@ def evidence_curve(model: GaussianModel, cuts: list[int]) -> tuple[Array, Array]
     """
     if model.still:
         return np.array([0.0]), np.array([0.0])
-    step = max(1, round(_GRID * model.fps))
+    step = max(1, round(GAUSSIAN.grid * model.fps))
     places = np.union1d(np.arange(step, len(model) - step + 1, step), np.array(cuts, dtype=int))
     bounds = np.array([0, *cuts, len(model)])
     after = np.searchsorted(bounds, places, side="right")
@@ -190,9 +180,9 @@ def evidence_curve(model: GaussianModel, cuts: list[int]) -> tuple[Array, Array]
 def _settled(model: GaussianModel, cuts: list[int], shortest: float) -> list[int]:
     """Move each cut to its most probable frame, with a prior for moments of little motion."""
     speed = np.linalg.norm(np.gradient(model.points, axis=0), axis=1)
-    calm = -_CALM * np.log(speed + 0.01 * np.median(speed) + 1e-300)
+    calm = -GAUSSIAN.calm * np.log(speed + GAUSSIAN.slow * np.median(speed) + SMALLEST)
     bounds, least = [0, *cuts, len(model)], int(shortest * model.fps)
-    reach = int(_REACH * model.fps)
+    reach = int(GAUSSIAN.reach * model.fps)
     for i in range(1, len(bounds) - 1):
         before, cut, after = bounds[i - 1 : i + 2]
         first = max(cut - reach, min(before + least, cut))

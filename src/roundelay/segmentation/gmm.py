@@ -8,23 +8,25 @@ neighbours, those at the ends to their one neighbour.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.errors import TooShort
+from roundelay.base.numeric import ROUNDING, SMALLEST
+from roundelay.base.options import Checked, option
 from roundelay.segmentation.moments import principal_axes
 from roundelay.segmentation.pca import intrinsic_dimension
+from roundelay.segmentation.thresholds import GMM
 
-__all__ = ["GMMOptions", "Mixture", "fit_mixture", "gmm_labels"]
+__all__ = ["GMMOptions", "Mixture", "fit_mixture", "gmm_labels", "merge_short"]
 
 Array = NDArray[np.float64]
 
-_FLOOR = 1e-6
-
 
 @dataclass(frozen=True)
-class GMMOptions:
+class GMMOptions(Checked):
     """Parameters of the mixture method; the defaults are those of [B] 3.3 but for the starts.
 
     Parameters
@@ -41,17 +43,15 @@ class GMMOptions:
         EM steps at most; they end once the log-likelihood per frame gains less than 1e-6.
     """
 
-    clusters: int = 4
-    energy: float = 0.9
-    shortest: float = 1.0
-    starts: int = 5
-    iterations: int = 200
+    title: ClassVar[str] = "Cuts by clusters of poses (gmm)"
 
-    def __post_init__(self) -> None:
-        if self.clusters < 1 or self.starts < 1 or self.iterations < 1:
-            raise ValueError(f"expected clusters, starts and iterations of at least 1: {self}")
-        if not 0.0 < self.energy < 1.0 or not self.shortest >= 0.0:
-            raise ValueError(f"expected an energy between 0 and 1 and shortest >= 0, found {self}")
+    clusters: int = option(4, "Number of behaviours.", least=1)
+    energy: float = option(0.9, "Share of the variance that is kept.", above=0, below=1)
+    shortest: float = option(
+        1.0, "A shorter segment goes to its neighbours.", unit="seconds", least=0
+    )
+    starts: int = option(5, "Starts, of which the likeliest mixture is kept.", least=1)
+    iterations: int = option(200, "Steps of a start.", least=1)
 
     @classmethod
     def paper(cls) -> GMMOptions:
@@ -86,7 +86,7 @@ class Mixture:
             root = np.linalg.cholesky(covariance)
             white = np.linalg.solve(root, (values - mean).T)
             scale = np.log(2.0 * np.pi) * len(mean) + 2.0 * np.log(np.diagonal(root)).sum()
-            columns.append(np.log(weight + 1e-300) - 0.5 * (scale + np.sum(white**2, axis=0)))
+            columns.append(np.log(weight + SMALLEST) - 0.5 * (scale + np.sum(white**2, axis=0)))
         return np.stack(columns, axis=1)
 
 
@@ -126,7 +126,7 @@ def gmm_labels(
     if len(values) < least:
         raise TooShort(f"expected at least {least} frames, found {len(values)}")
     variances, axes = principal_axes(values)
-    if variances[0] <= 1e-20:
+    if variances[0] <= GMM.still:
         return np.zeros(len(values), dtype=np.intp), np.ones(len(values))
     kept = axes[:, : intrinsic_dimension(variances, options.energy)]
     points = (values - values.mean(axis=0)) @ kept
@@ -157,7 +157,7 @@ def _fit_once(values: Array, options: GMMOptions, rng: np.random.Generator) -> M
         shares, likelihood = _responsibilities(mixture.log_densities(values))
         gained = likelihood - mixture.likelihood
         mixture = _maximised(values, shares, likelihood)
-        if gained < 1e-6:
+        if gained < GMM.gain:
             break
     return mixture
 
@@ -181,7 +181,7 @@ def _responsibilities(densities: Array) -> tuple[Array, float]:
 
 
 def _maximised(values: Array, shares: Array, likelihood: float) -> Mixture:
-    mass = shares.sum(axis=0) + 1e-9
+    mass = shares.sum(axis=0) + ROUNDING
     means = (shares.T @ values) / mass[:, None]
     covariances = []
     for share, weight, mean in zip(shares.T, mass, means, strict=True):
@@ -193,4 +193,4 @@ def _maximised(values: Array, shares: Array, likelihood: float) -> Mixture:
 
 def _floor(covariance: Array) -> Array:
     square = np.atleast_2d(covariance)
-    return (_FLOOR * np.trace(square) / len(square) + 1e-300) * np.eye(len(square))
+    return (GMM.floor * np.trace(square) / len(square) + SMALLEST) * np.eye(len(square))

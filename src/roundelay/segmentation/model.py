@@ -13,27 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
+from roundelay.base.numeric import SMALLEST
 from roundelay.segmentation.labels import recurring_labels
 from roundelay.segmentation.moments import Moments, principal_axes
+from roundelay.segmentation.thresholds import MODEL
 
 __all__ = ["GaussianModel"]
 
 Array = NDArray[np.float64]
-
-# Poses are averaged to about this rate and smoothed over this many seconds: movement of the
-# body has little above 5 Hz, measurement noise has.
-_RATE = 30.0
-_SMOOTHING = 0.05
-# Share of the total standard deviation that is the resolution where none is given.
-_RELATIVE = 0.15
-# Share of the resolution below which the variation along an axis is left out.
-_NEGLIGIBLE = 0.5
-# Windows in which the correlation time is measured, in seconds.
-_CORRELATION_WINDOW = 2.0
-# Log-likelihood ratio, per effective dimension and independent pose, that a cut must gain; a
-# label pays less, for there is no search over its place.
-_EVIDENCE = 5.5
-_LABEL_EVIDENCE = 4.0
 
 
 class GaussianModel:
@@ -57,16 +44,16 @@ class GaussianModel:
     def __init__(self, values: Array, fps: float, resolution: float | None = None) -> None:
         if len(values) == 0:
             raise TooShort("expected at least one frame, found none")
-        self.step = max(1, round(fps / _RATE))
+        self.step = max(1, round(fps / MODEL.rate))
         self.fps = fps / self.step
         thinned = _thinned(values, self.step)
         variances, axes = principal_axes(thinned)
         total = float(np.sqrt(variances.sum()))
-        self.resolution = _RELATIVE * total if resolution is None else resolution
-        kept = variances > (_NEGLIGIBLE * self.resolution) ** 2
+        self.resolution = MODEL.relative * total if resolution is None else resolution
+        kept = variances > (MODEL.negligible * self.resolution) ** 2
         moving = (thinned - thinned.mean(axis=0)) @ axes[:, kept]
-        self.points = _smoothed(moving, _SMOOTHING * self.fps)
-        self.dimension = float(np.sum(variances / (variances + self.resolution**2 + 1e-300)))
+        self.points = _smoothed(moving, MODEL.smoothing * self.fps)
+        self.dimension = float(np.sum(variances / (variances + self.resolution**2 + SMALLEST)))
         self.still = not kept.any()
 
     def __len__(self) -> int:
@@ -80,12 +67,12 @@ class GaussianModel:
     @cached_property
     def correlation_time(self) -> float:
         """Frames after which a pose is as good as independent; see `_correlation_time`."""
-        return _correlation_time(self.points, max(1, round(_CORRELATION_WINDOW * self.fps)))
+        return _correlation_time(self.points, max(1, round(MODEL.window * self.fps)))
 
     @cached_property
     def penalty(self) -> float:
         """Twice the log-likelihood that one cut must gain."""
-        return _EVIDENCE * self.correlation_time * self.dimension
+        return MODEL.evidence * self.correlation_time * self.dimension
 
     def cost(self, count: Array, covariance: Array) -> Array:
         """Minus twice the log-likelihood, but for constants, of clouds of poses."""
@@ -106,7 +93,7 @@ class GaussianModel:
         """Label the segments between cuts, behaviours that come back alike."""
         if self.still:
             return [0] * (len(cuts) + 1)
-        bounds, penalty = [0, *cuts, len(self)], _LABEL_EVIDENCE / _EVIDENCE * self.penalty
+        bounds, penalty = [0, *cuts, len(self)], MODEL.label / MODEL.evidence * self.penalty
         return recurring_labels(self.moments, bounds, self.cost, penalty)
 
 
@@ -120,7 +107,7 @@ def _thinned(values: Array, step: int) -> Array:
 
 def _smoothed(values: Array, deviation: float) -> Array:
     """Smooth over time with a Gaussian of `deviation` frames, ends held."""
-    reach = int(np.ceil(3.0 * deviation))
+    reach = int(np.ceil(MODEL.kernel * deviation))
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / deviation) ** 2)
     padded = np.pad(values, ((reach, reach), (0, 0)), mode="edge")
     smooth = np.zeros_like(values)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Moments", "principal_axes"]
+__all__ = ["Moments", "normalized", "principal_axes"]
 
 Array = NDArray[np.float64]
 

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from roundelay.base.numeric import TINY
+from roundelay.base.options import Checked, option
+from roundelay.base.threads import one_thread
+from roundelay.segmentation.thresholds import PCA
 
 __all__ = ["OnlinePCA", "PCAOptions", "intrinsic_dimension"]
 
 Array = NDArray[np.float64]
 
-# A frame within this distance of the span of the earlier ones adds no dimension to it.
-_SPAN = 1e-7
-
 
 @dataclass(frozen=True)
-class PCAOptions:
+class PCAOptions(Checked):
     """Parameters of the PCA method; the defaults are those of [B] 3.1 at 120 frames a second.
 
     Parameters
@@ -34,17 +37,26 @@ class PCAOptions:
         Seconds after a cut before the next can be (i_0 = 300 frames).
     """
 
-    energy: float = 0.9
-    window: float = 2.0
-    lag: float = 0.5
-    deviations: float = 3.0
-    start: float = 2.5
+    title: ClassVar[str] = "Cuts by intrinsic dimension (pca)"
+
+    energy: float = option(
+        0.9, "Share of the variance that the hyperplane keeps.", above=0, below=1
+    )
+    window: float = option(2.0, "Time the dimension is taken from.", unit="seconds", above=0)
+    lag: float = option(
+        0.5, "Time over which the growth of the error is measured.", unit="seconds", above=0
+    )
+    deviations: float = option(
+        3.0, "Standard deviations above the mean growth that make a cut.", above=0
+    )
+    start: float = option(
+        2.5, "Time after a cut before there can be another.", unit="seconds", above=0
+    )
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.energy < 1.0:
-            raise ValueError(f"expected an energy between 0 and 1, found {self.energy}")
-        if not 0.0 < self.lag < self.window <= self.start or not self.deviations > 0.0:
-            raise ValueError(f"expected 0 < lag < window <= start and deviations > 0, found {self}")
+        super().__post_init__()
+        if not self.lag < self.window <= self.start:
+            raise ValueError(f"expected lag < window <= start, found {self}")
 
 
 def intrinsic_dimension(variances: Array, energy: float) -> int:
@@ -93,6 +105,7 @@ class OnlinePCA:
         self.strengths: list[float] = []
         self._restart()
 
+    @one_thread
     def push(self, frames: ArrayLike) -> list[int]:
         """Take one frame (d,) or several (n, d); return the cuts they led to."""
         known = len(self.cuts)
@@ -141,7 +154,7 @@ class OnlinePCA:
         if self._seen <= self._start:
             return False
         self.growth.append((self._frame, derivative, derivative - excess + needed))
-        least = max(float(needed), 1e-12 * self._scale)
+        least = max(float(needed), TINY * self._scale)
         if excess > least:
             self.strengths.append(excess / least)
         return excess > least
@@ -157,7 +170,7 @@ class OnlinePCA:
         point = self._basis @ offset
         rest = offset - point @ self._basis
         length = float(np.sqrt(rest @ rest))
-        if length <= _SPAN * self._scale or len(self._basis) == len(frame):
+        if length <= PCA.span * self._scale or len(self._basis) == len(frame):
             return point
         rest -= (self._basis @ rest) @ self._basis
         self._basis = np.vstack([self._basis, rest / np.linalg.norm(rest)])

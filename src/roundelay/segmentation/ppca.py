@@ -14,24 +14,25 @@ backward cut is new if it is farther than T from every forward one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
+from roundelay.base.numeric import SMALLEST
+from roundelay.base.options import Checked, option
+from roundelay.base.threads import one_thread
 from roundelay.segmentation.pca import intrinsic_dimension
+from roundelay.segmentation.thresholds import PPCA
 
 __all__ = ["OnlinePPCA", "PPCAModel", "PPCAOptions", "ppca_cuts"]
 
 Array = NDArray[np.float64]
 
-# Share of the rise that H must come down for its peak to be over.
-_DESCENT = 0.1
-
 
 @dataclass(frozen=True)
-class PPCAOptions:
+class PPCAOptions(Checked):
     """Parameters of the probabilistic PCA method.
 
     Parameters
@@ -51,25 +52,32 @@ class PPCAOptions:
         Put a cut that both passes find halfway between; [B] keeps the forward one.
     """
 
-    rule: Literal["ratio", "difference"] = "ratio"
-    threshold: float = 3.0
-    energy: float = 0.95
-    window: float = 1.25
-    step: float = 10 / 120
-    middle: bool = True
+    title: ClassVar[str] = "Cuts by the coming frames (ppca)"
+
+    rule: Literal["ratio", "difference"] = option(
+        "ratio", "Hold the peak over the valley against the threshold, or the peak less the valley."
+    )
+    threshold: float = option(3.0, "How far a peak must be above its valley.", above=0)
+    energy: float = option(
+        0.95, "Share of the variance that the hyperplane keeps.", above=0, below=1
+    )
+    window: float = option(
+        1.25, "Time looked ahead, and that of the first model.", unit="seconds", above=0
+    )
+    step: float = option(10 / 120, "Time by which the model grows.", unit="seconds", above=0)
+    middle: bool = option(
+        True, "Put a cut that both passes find halfway; [B] keeps the forward one."
+    )
 
     def __post_init__(self) -> None:
-        if self.rule not in ("ratio", "difference"):
-            raise ValueError(f"expected the rule 'ratio' or 'difference', found {self.rule!r}")
-        if not 0.0 < self.energy < 1.0:
-            raise ValueError(f"expected an energy between 0 and 1, found {self.energy}")
-        if not (0.0 < self.step <= self.window and self.threshold > 0.0):
-            raise ValueError(f"expected 0 < step <= window and threshold > 0, found {self}")
+        super().__post_init__()
+        if self.step > self.window:
+            raise ValueError(f"expected step <= window, found {self}")
 
     @classmethod
     def paper(cls) -> PPCAOptions:
         """Return the parameters of [B] 3.2."""
-        return cls(rule="difference", threshold=15.0, middle=False)
+        return cls(rule="difference", threshold=PPCA.rise, middle=False)
 
     def frames(self, fps: float) -> tuple[int, int]:
         """Return T and Delta in frames; T is a multiple of Delta."""
@@ -111,7 +119,7 @@ class PPCAModel:
         squares, axes = np.maximum(squares[::-1], 0.0), axes[:, ::-1]
         rank = intrinsic_dimension(squares, energy)
         # Eq. 7 averages over all discarded values, structural zeros too: keep it above rounding.
-        floor = 1e-10 * squares.sum() + 1e-15 * np.trace(products) + 1e-300
+        floor = PPCA.floor * squares.sum() + PPCA.rounding * np.trace(products) + SMALLEST
         discarded = squares[rank:].mean() if rank < len(squares) else 0.0
         spread = np.append(squares[:rank], np.full(len(squares) - rank, discarded))
         return cls(mean, np.maximum(spread, floor) / max(count - 1, 1), axes, rank)
@@ -156,6 +164,7 @@ class OnlinePPCA:
         self.curve: list[tuple[int, float]] = []
         self._restart()
 
+    @one_thread
     def push(self, frames: ArrayLike) -> list[int]:
         """Take one frame (d,) or several (n, d); return the cuts they led to."""
         known = len(self.cuts)
@@ -200,7 +209,7 @@ class OnlinePPCA:
         if distance > self._peak:
             self._peak, self._peak_blocks = distance, self._model_blocks
         rise = self.options.rise(self._valley, self._peak) if self._descended else 0.0
-        if rise >= 1.0 and self._peak - distance > _DESCENT * (self._peak - self._valley):
+        if rise >= 1.0 and self._peak - distance > PPCA.descent * (self._peak - self._valley):
             self._cut(rise)
         elif not self._descended or (rise < 1.0 and distance < self._valley):
             self._valley, self._peak = distance, distance

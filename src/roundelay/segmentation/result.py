@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
 from roundelay.base.version import __version__
 from roundelay.motion.motion import Motion
 
@@ -67,6 +68,8 @@ class Curve:
     frames: Array
     values: Array
     meaning: str
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True, eq=False)

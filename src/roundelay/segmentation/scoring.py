@@ -21,10 +21,11 @@ from roundelay.segmentation.partitions import (
     mutual_information,
 )
 from roundelay.segmentation.result import Segmentation
+from roundelay.segmentation.thresholds import SCORING
 
 __all__ = ["TOLERANCES", "Agreement", "Score", "Truth", "pooled", "score"]
 
-TOLERANCES = (0.0, 0.25, 0.5, 1.0)
+TOLERANCES = SCORING.tolerances
 """Seconds by which windows are widened on both sides; 0 is strict."""
 
 

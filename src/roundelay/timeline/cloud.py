@@ -11,10 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
+from roundelay.base.numeric import GOLDEN
 from roundelay.base.spans import Spans
 from roundelay.motion.poses import principal_components, with_velocity
 from roundelay.timeline.options import TopologyOptions
 from roundelay.timeline.search import Search
+from roundelay.timeline.thresholds import CLOUD
 from roundelay.topology.coordinate import CircularCoordinate
 from roundelay.topology.distances import Metric, cross_distances, pairwise_distances
 from roundelay.topology.landmarks import choose_landmarks
@@ -24,11 +27,6 @@ __all__ = ["PoseCloud", "make_cloud", "variance_normalised"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-
-# More points than this are thinned to landmarks, chosen from a pool of at most so many; exact
-# topology of them takes about 20 ms.
-_LANDMARKS, _POOL = 500, 2000
-_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +55,8 @@ class PoseCloud:
     data: Array
     landmarks: Indices
     barcode: Barcode
+
+    __repr__ = brief
 
     @property
     def landmark_runs(self) -> Spans:
@@ -123,13 +123,13 @@ def _landmarks(points: Array) -> Indices:
     that repeats exactly would show the same few phases again and again.
     """
     count = len(points)
-    if count <= _LANDMARKS:
+    if count <= CLOUD.landmarks:
         return np.arange(count)
-    stride = -(-count // _POOL)
+    stride = -(-count // CLOUD.pool)
     starts = np.arange(0, count, stride)
-    inside = (np.arange(len(starts)) * _GOLDEN % 1.0 * stride).astype(np.intp)
+    inside = (np.arange(len(starts)) * GOLDEN % 1.0 * stride).astype(np.intp)
     pool = np.minimum(starts + inside, count - 1)
-    return pool[choose_landmarks(points[pool], count=_LANDMARKS, method="greedy").indices]
+    return pool[choose_landmarks(points[pool], count=CLOUD.landmarks, method="greedy").indices]
 
 
 def _runs_of(landmarks: Indices, local: Spans) -> Spans:
@@ -145,7 +145,7 @@ def _scaled(poses: Array, options: TopologyOptions) -> Array:
 def variance_normalised(points: Array) -> Array:
     """Divide every column by its standard deviation ([A] 6.4); those that rest become 0."""
     spread = np.std(points, axis=0)
-    return points / np.where(spread > 1e-6 * spread.max(initial=0.0), spread, np.inf)
+    return points / np.where(spread > CLOUD.rests * spread.max(initial=0.0), spread, np.inf)
 
 
 def _delayed(poses: Array, local: Spans, period: float, count: int) -> tuple[Array, list[Indices]]:

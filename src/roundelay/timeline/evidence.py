@@ -15,17 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.errors import LiftError, NoPeriod, TooShort
+from roundelay.base.numeric import TINY
 from roundelay.base.spans import Span, Spans
 from roundelay.phase.period import return_period
 from roundelay.phase.phase_map import phase_map
 from roundelay.phase.unwrap import unwrap
 from roundelay.timeline.cloud import PoseCloud, make_cloud
 from roundelay.timeline.search import Search
+from roundelay.timeline.thresholds import EVIDENCE, VERDICT
 from roundelay.topology.coordinate import CircularCoordinate, circular_coordinate
 from roundelay.topology.rips import Barcode
 
 __all__ = [
-    "STEADY",
     "Evidence",
     "class_coordinate",
     "disagreement",
@@ -38,17 +39,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-
-# Shares of a turn over which pauses are looked for.
-_CELLS = 8
-# Net turns over all turns of what keeps turning the same way.
-STEADY = 0.8
-# From so many turns on, a class may have companions: bars this much shorter, and fewer turns.
-_OFTEN, _NEARLY = 4.0, 1.5
-# Turns between frames that are taken for the same phase.
-_SAME_PHASE = 0.25
-# Frames whose distances from each other are taken for those of any two.
-_SAMPLE = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +109,7 @@ class Evidence:
     @property
     def steadiness(self) -> float:
         """Net turns over all turns: 1 if the coordinate never runs backwards."""
-        return self.net / max(self.total, 1e-12)
+        return self.net / max(self.total, TINY)
 
     @property
     def confidence(self) -> float:
@@ -130,7 +120,7 @@ class Evidence:
         (steadiness), times what was seen again (twice the turns beyond the first, at most 1;
         all of it if the ends meet).
         """
-        again = 1.0 if self.closed else float(np.clip(2.0 * (self.net - 1.0), 0.0, 1.0))
+        again = 1.0 if self.closed else float(np.clip(EVIDENCE.again * (self.net - 1.0), 0.0, 1.0))
         return (1.0 - max(self.prominence, 1.0) ** -self.net) * self.steadiness * again
 
 
@@ -174,7 +164,7 @@ def measure_closed(search: Search, run: Span) -> Evidence:
     # The way from the last frame to the first takes its share of a frame: none if it repeats it.
     steps = np.linalg.norm(np.diff(poses, axis=0)[[0, -1]], axis=1)
     gap = float(np.linalg.norm(poses[-1] - poses[0]))
-    period = len(poses) - 1 + min(1.0, gap / max(0.5 * float(steps.sum()), 1e-12))
+    period = len(poses) - 1 + min(1.0, gap / max(0.5 * float(steps.sum()), TINY))
     turns = np.full(len(search.points), np.nan)
     turns[slice(*run)] = np.arange(len(poses)) / period
     return Evidence(
@@ -185,14 +175,15 @@ def measure_closed(search: Search, run: Span) -> Evidence:
 def _companions(evidence: Evidence, cloud: PoseCloud) -> Iterator[int]:
     """List classes that live nearly as long and turn nearly as often, as steadily."""
     lengths, own = cloud.barcode.persistence, evidence.coordinate.class_index
-    if evidence.net < _OFTEN:
+    if evidence.net < EVIDENCE.often:
         return
-    for other in np.flatnonzero(lengths > lengths[own] / _NEARLY).tolist():
+    for other in np.flatnonzero(lengths > lengths[own] / EVIDENCE.nearly).tolist():
         if other == own:
             continue
         with suppress(NoPeriod):
             along = follow(cloud, other, n_frames=len(evidence.turns))
-            if along.net * _NEARLY > evidence.net and along.steadiness >= STEADY:
+            often = along.net * EVIDENCE.nearly > evidence.net
+            if often and along.steadiness >= VERDICT.steady:
                 yield other
 
 
@@ -305,15 +296,15 @@ def disagreement(points: Array, evidence: Evidence) -> float:
     for whole in range(1, 2 + len(evidence.runs)):
         aim = turns[missing] + whole
         place = np.minimum(np.searchsorted(turns, aim), len(turns) - 1)
-        there = np.abs(turns[place] - aim) < _SAME_PHASE
+        there = np.abs(turns[place] - aim) < EVIDENCE.same_phase
         later[missing[there]] = place[there]
         missing = missing[~there]
     first = np.flatnonzero(later)
     if len(first) == 0:
         return float("nan")
     apart = np.linalg.norm(shown[later[first]] - shown[first], axis=1)
-    some = shown[np.linspace(0, len(shown) - 1, _SAMPLE).astype(np.intp)]
-    any_two = np.linalg.norm(some[:, None] - some, axis=2)[np.triu_indices(_SAMPLE, 1)]
+    some = shown[np.linspace(0, len(shown) - 1, EVIDENCE.sample).astype(np.intp)]
+    any_two = np.linalg.norm(some[:, None] - some, axis=2)[np.triu_indices(len(some), 1)]
     return float(np.mean(apart) / np.mean(any_two))
 
 
@@ -348,7 +339,7 @@ def without_pauses(evidence: Evidence) -> Spans:
     -------
     Spans
     """
-    pauses = _pauses(evidence, 0.0) + _pauses(evidence, 0.5 / _CELLS)
+    pauses = _pauses(evidence, 0.0) + _pauses(evidence, 0.5 / EVIDENCE.cells)
     kept: list[Span] = []
     for start, stop in evidence.runs:
         here = start
@@ -357,10 +348,12 @@ def without_pauses(evidence: Evidence) -> Spans:
                 kept.append((here, max(here, first)))
                 here = max(here, last)
         kept.append((here, stop))
-    kept = [run for run in kept if _turned(evidence.turns, run) >= 0.75]
-    passed = {cell % _CELLS for run in kept for cell, _, _ in _passages(evidence.turns, run)[1:-1]}
+    kept = [run for run in kept if _turned(evidence.turns, run) >= EVIDENCE.whole]
+    passed = {
+        cell % EVIDENCE.cells for run in kept for cell, _, _ in _passages(evidence.turns, run)[1:-1]
+    }
     # What pauses at the only passage of a cell is no pause.
-    return Spans(kept) if len(passed) == _CELLS else evidence.runs
+    return Spans(kept) if len(passed) == EVIDENCE.cells else evidence.runs
 
 
 def _pauses(evidence: Evidence, offset: float) -> list[Span]:
@@ -373,19 +366,19 @@ def _pauses(evidence: Evidence, offset: float) -> list[Span]:
     passages = [_passages(turns, run) for run in evidence.runs]
     dwell: dict[int, list[int]] = {}
     for cell, first, last in (p for run in passages for p in run[1:-1]):
-        dwell.setdefault(cell % _CELLS, []).append(last - first)
+        dwell.setdefault(cell % EVIDENCE.cells, []).append(last - first)
     usual = {cell: sorted(times)[(len(times) - 1) // 2] for cell, times in dwell.items()}
-    long = 0.35 * evidence.period
+    long = EVIDENCE.pause * evidence.period
     found = []
     for run in passages:
         for number, (cell, first, last) in enumerate(run):
-            normal = usual.get(cell % _CELLS, last - first)
+            normal = usual.get(cell % EVIDENCE.cells, last - first)
             excess = last - first - normal
             if number == 0 and excess > long:
                 found.append((first, last - normal))
             elif number == len(run) - 1 and excess > long:
                 found.append((first + normal, last))
-            elif excess > normal and last - first > long:
+            elif excess > EVIDENCE.slower * normal and last - first > long:
                 found.append((first + normal // 2, last - normal // 2))
     return found
 
@@ -396,7 +389,7 @@ def _turned(turns: Array, run: Span) -> float:
 
 def _passages(turns: Array, run: Span) -> list[tuple[int, int, int]]:
     """List the cells a run passes, with the frames of entry and exit."""
-    cells = np.floor(np.maximum.accumulate(turns[run[0] : run[1]]) * _CELLS).astype(int)
+    cells = np.floor(np.maximum.accumulate(turns[run[0] : run[1]]) * EVIDENCE.cells).astype(int)
     entries = np.flatnonzero(np.diff(cells, prepend=cells[0] - 1))
     exits = np.append(entries[1:], len(cells))
     return [

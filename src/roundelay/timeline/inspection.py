@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from roundelay.base.errors import NoPeriod
+from roundelay.base.threads import one_thread
 from roundelay.motion.motion import Motion
 from roundelay.timeline.evidence import Evidence, follow
 from roundelay.timeline.options import Options
@@ -60,6 +61,7 @@ class Inspection:
     classes: list[ClassFigures]
 
 
+@one_thread
 def inspect(motion: Motion, options: Options | None = None, *, most: int = 5) -> list[Inspection]:
     """List the classes of every periodic motion, or of the best candidate if there is none.
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from roundelay.base.options import Checked, option
+from roundelay.base.spans import Span
 from roundelay.motion.features import Features, Weights
 
-__all__ = ["Method", "Options", "PoseMetric", "TopologyOptions"]
+__all__ = ["Options", "PoseMetric", "ShownOptions", "TopologyOptions"]
 
-Method = Literal["harmonic", "centroid", "paper"]
 PoseMetric = Literal["euclidean", "variance", "adjacent"]
 
 
@@ -48,6 +48,8 @@ class TopologyOptions(Checked):
         If a value is out of range.
     """
 
+    title: ClassVar[str] = "What topology sees"
+
     prime: int = option(47, "Coefficients are integers modulo this prime.", least=2)
     class_index: int | None = option(
         None, "Use this bar, 0 being the longest; see inspect.", least=0, flag="class"
@@ -65,7 +67,11 @@ class TopologyOptions(Checked):
         least=0,
     )
     delays: int | None = option(None, "Delays over half a period, instead of velocities.", least=1)
-    metric: PoseMetric = option("euclidean", "Distance of poses.")
+    metric: PoseMetric = option(
+        "euclidean",
+        "Distance of poses: as they are, of features divided by their standard deviations, or "
+        "with frames next to each other at distance 0.",
+    )
     dimensions: int | float | None = option(
         None, "Principal axes to project on, or the share of variance (below 1) they hold.", above=0
     )
@@ -85,8 +91,9 @@ class Options(Checked):
 
     Parameters
     ----------
-    frames : (int, int), optional
-        Half-open range of frames to look at; by default all but a rest pose put before them.
+    frames : (int, int or None), optional
+        Half-open range of frames to look at, None for the end of the take; by default all but a
+        rest pose put before them.
     joints : tuple of str, optional
         Joints that decide what is a repetition; all by default. Every joint is in the cycle.
     features : {"positions", "heading", "quaternions", "angles"}
@@ -123,18 +130,34 @@ class Options(Checked):
         If a value is out of range.
     """
 
-    frames: tuple[int, int] | None = option(None, "Look at these frames only.", least=0)
-    joints: tuple[str, ...] | None = option(None, "Joints that decide what repeats.")
+    title: ClassVar[str] = "What is looked for"
+
+    frames: tuple[int, int | None] | None = option(
+        None,
+        "Look at these frames only, from 0, the last left out.",
+        unit="frames",
+        least=0,
+        form="START:STOP",
+    )
+    joints: tuple[str, ...] | None = option(
+        None, "Look at these joints only.", form="JOINT,JOINT,..."
+    )
     features: Features = option("positions", "What a pose is.")
-    weights: Weights = option("none", "Weigh joints by the bones on them, or by all they move.")
+    weights: Weights = option(
+        "none", "Weigh joints by the length of their bones, or by that of all bones they move."
+    )
     topology: TopologyOptions = option(TopologyOptions, "What topology sees.")
     gestures: bool | None = option(
         None,
         "Look for what recurs with something else between, or never; "
         "by default where nothing is periodic.",
     )
-    proposers: tuple[str, ...] | None = option(None, "Who proposes what may repeat, in this order.")
-    most: int | None = option(None, "At most so many cycles, best first.", least=1)
+    proposers: tuple[str, ...] | None = option(
+        None, "Who proposes what may repeat, in this order.", form="NAME,NAME,..."
+    )
+    most: int | None = option(
+        None, "At most so many periodic motions, the surest first.", least=1, label="Max Loops"
+    )
     method: str = option(
         "harmonic",
         "harmonic: a smooth regression; centroid: means of poses, as in [A]; paper: the weighted "
@@ -151,3 +174,38 @@ class Options(Checked):
                 'only the method "paper" has velocities and accelerations to leave out, '
                 f"found {self.method!r}"
             )
+
+    def span(self, count: int) -> Span | None:
+        """Return the frames to look at of a take of so many; None where all are.
+
+        Raises
+        ------
+        ValueError
+            If they are not all there.
+        """
+        if self.frames is None:
+            return None
+        start, stop = self.frames[0], count if self.frames[1] is None else self.frames[1]
+        if not start < stop <= count:
+            raise ValueError(f"expected frames within 0 and {count}, found {start} to {stop}")
+        return start, stop
+
+
+@dataclass(frozen=True)
+class ShownOptions(Checked):
+    """Choices of what is shown of the classes.
+
+    Parameters
+    ----------
+    classes : int, optional
+        How many.
+    """
+
+    title: ClassVar[str] = "What is shown"
+
+    classes: int | None = option(
+        None,
+        "Show so many classes; by default five of each motion (inspect), or those that stand "
+        "out from noise (excitations).",
+        least=1,
+    )

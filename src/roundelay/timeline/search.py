@@ -7,20 +7,19 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
+from roundelay.base.checks import expected
 from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.spans import Span
 from roundelay.motion.features import MotionPoses
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses, leading_rest_pose, point_indices, points_of
 from roundelay.timeline.options import Options
+from roundelay.timeline.thresholds import SEARCH
 
 __all__ = ["Search"]
 
 Array = NDArray[np.float64]
-
-_FEWEST = 8  # frames
-# Body sizes below which nothing moves, but for rounding.
-_STILL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +51,8 @@ class Search:
     poses: Poses | None = None
     limbs: str = ""
 
+    __repr__ = brief
+
     @classmethod
     def of_take(cls, take: Motion | Poses, options: Options) -> Search:
         """Look at all points of a take, or at those of the options.
@@ -75,12 +76,12 @@ class Search:
         """
         poses, joints = _poses(take, options)
         frames = len(poses.values)
-        if frames < _FEWEST:
-            raise TooShort(f"a period needs at least {_FEWEST} frames, found {frames}")
+        if frames < SEARCH.fewest:
+            raise TooShort(f"a period needs at least {SEARCH.fewest} frames, found {frames}")
         chosen = None if joints is None else point_indices(poses, joints)
         points = points_of(poses, chosen)
-        span = _span(points, options.frames)
-        if np.ptp(points[slice(*span)], axis=0).max() < _STILL:
+        span = _span(points, options)
+        if np.ptp(points[slice(*span)], axis=0).max() < SEARCH.still:
             raise NoPeriod("no periodic motion found: no joint moves against the root")
         whole = None if chosen is not None else poses
         return cls(points, poses.fps, span, _step(poses.fps, span), options, whole)
@@ -102,9 +103,9 @@ class Search:
 
 def _poses(take: Motion | Poses, options: Options) -> tuple[Poses, tuple[str, ...] | None]:
     """Return the poses of a take, and the points that the options choose among them."""
-    joints = options.joints
+    joints = expected(Options, options).joints
     if not isinstance(take, Motion):
-        return take, joints
+        return expected(Poses, take), joints  # type: ignore[type-abstract]
     take = take.with_root_motion()
     if joints is not None:
         take.skeleton.indices(joints)
@@ -113,18 +114,18 @@ def _poses(take: Motion | Poses, options: Options) -> tuple[Poses, tuple[str, ..
     return MotionPoses(take, options.features, options.weights), joints
 
 
-def _span(points: Array, frames: Span | None) -> Span:
-    if frames is None:
+def _span(points: Array, options: Options) -> Span:
+    chosen = options.span(len(points))
+    if chosen is None:
         return (1 if leading_rest_pose(points) else 0), len(points)
-    start, stop = frames
-    if not 0 <= start < stop <= len(points):
-        raise ValueError(f"expected frames within 0 and {len(points)}, found {start} to {stop}")
-    if stop - start < _FEWEST:
-        raise TooShort(f"a period needs at least {_FEWEST} frames, found {stop - start}")
-    return start, stop
+    start, stop = chosen
+    if stop - start < SEARCH.fewest:
+        raise TooShort(f"a period needs at least {SEARCH.fewest} frames, found {stop - start}")
+    return chosen
 
 
 def _step(fps: float, span: Span) -> int:
     """Thin to some 60 frames a second, long captures to 30."""
-    target = 60.0 if (span[1] - span[0]) / fps < 15.0 else 30.0
+    short = (span[1] - span[0]) / fps < SEARCH.long
+    target = SEARCH.rate if short else SEARCH.long_rate
     return max(1, round(fps / target))

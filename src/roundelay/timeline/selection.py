@@ -5,6 +5,7 @@ Proposers are asked one after the other, each only if those before it led to not
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -66,14 +67,14 @@ def _held(progress: Progress | None) -> Progress | None:
     return progress and (lambda _, stage: progress(0.5, stage))
 
 
-def _asked(options: Options) -> list[Proposer]:
-    """Return the proposers that the options ask for."""
+def _asked(options: Options) -> Iterable[Proposer]:
+    """Return the proposers that the options ask for; plug-ins are looked for last."""
     if options.proposers is not None:
         return [proposers[name] for name in options.proposers]
     if options.gestures:
         return [proposers[_GESTURES]]
     never = options.gestures is not None or options.topology.class_index is not None
-    return [each for each in proposers if not (never and each.name == _GESTURES)]
+    return (each for each in proposers if not (never and each.name == _GESTURES))
 
 
 def _accepted(
@@ -88,7 +89,7 @@ def _accepted(
     except NoPeriod as refusal:
         return [], [refusal]
     for number, proposal in enumerate(proposals):
-        report(progress, 0.1 + 0.4 * number / len(proposals), "computing barcodes")
+        report(progress, (1 + 4 * number / len(proposals)) / 10, "computing barcodes")
         if proposal.fresh and np.mean(taken[proposal.runs.frames]) > 1.0 - proposal.fresh:
             continue
         accepted, reasons = _together_or_apart(search, proposal)

@@ -9,7 +9,6 @@ import numpy as np
 from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.spans import Span, Spans
 from roundelay.timeline.evidence import (
-    STEADY,
     Evidence,
     disagreement,
     measure,
@@ -17,18 +16,9 @@ from roundelay.timeline.evidence import (
     without_pauses,
 )
 from roundelay.timeline.search import Search
+from roundelay.timeline.thresholds import VERDICT
 
 __all__ = ["judged", "judged_closed", "no_period", "objection"]
-
-# Mean distance of poses a turn apart over that of any two, from which a motion is none that
-# repeats: those that do lie below .72, in all captures looked at.
-_APART = 0.85
-# The loop of a closed period must be this much wider than the gap between its ends.
-_WIDER = 8.0
-# Steps between the ends that are closed where frames were chosen by hand.
-_CHOSEN_STEPS = 4.0
-# A closed period is one loop: its bar is so much longer than the next.
-_PROMINENT = 1.5
 
 
 def judged(search: Search, runs: Spans, period: float) -> Evidence:
@@ -59,7 +49,7 @@ def judged(search: Search, runs: Spans, period: float) -> Evidence:
         measured = error.evidence if isinstance(error, NoPeriod) else None
         raise NoPeriod(f"frames {runs}: {error}", measured) from error
     why = objection(evidence, search.n_frames, chosen=by_hand)
-    if why is None and not by_hand and disagreement(search.points, evidence) >= _APART:
+    if why is None and not by_hand and disagreement(search.points, evidence) >= VERDICT.apart:
         why = "its poses are hardly nearer to those a turn later than any two are"
     if why is not None:
         raise NoPeriod(f"frames {evidence.runs}: {why}", evidence)
@@ -79,20 +69,21 @@ def objection(evidence: Evidence, searched: int, *, chosen: bool = False) -> str
         The class was chosen by hand: its bar need not stand out.
     """
     net, prominence = evidence.net, evidence.prominence
-    if net < 1.02:
+    if net < VERDICT.least_turns:
         return f"it makes {net:.2f} turns of its loop, not more than one"
-    if evidence.steadiness < STEADY:
+    if evidence.steadiness < VERDICT.steady:
         return f"of {evidence.total:.2f} turns only {net:.2f} remain forwards"
     share = evidence.runs.total / searched
-    unique = net >= 1.3 and prominence >= 10.0
-    if net < 1.5 and share < 0.3 and not unique:
+    unique = net >= VERDICT.unique_turns and prominence >= VERDICT.unique
+    if net < VERDICT.enough_turns and share < VERDICT.share and not unique:
         return f"it makes {net:.2f} turns of its loop in {share:.0%} of the frames"
     if chosen:
         return None
     # One turn and a bit could be chance: the less is seen twice, the more its loop must stand
     # out. Many turns are no chance even if another bar is nearly as long: it is enough that
     # prominence^-turns is at most a quarter.
-    needed = max(1.0 + 0.5 / (net - 1.0), min(1.5, 4.0 ** (1.0 / net)))
+    enough = min(VERDICT.prominent, VERDICT.chance ** (1.0 / net))
+    needed = max(1.0 + VERDICT.beyond / (net - 1.0), enough)
     if prominence < needed:
         return f"its longest bar is {prominence:.2f} times the next, not {needed:.2f}"
     return None
@@ -112,19 +103,22 @@ def judged_closed(search: Search, run: Span) -> Evidence:
     chosen, poses = search.options.frames is not None, search.points[slice(*run)]
     steps = np.linalg.norm(np.diff(poses, axis=0), axis=1)
     gap = float(np.linalg.norm(poses[-1] - poses[0]))
-    usual = max(1.5 * float(np.median(steps)), float(np.percentile(steps, 95)))
-    if gap > usual * (_CHOSEN_STEPS if chosen else 1.0):
+    usual = max(
+        VERDICT.median_steps * float(np.median(steps)),
+        float(np.percentile(steps, VERDICT.usual)),
+    )
+    if gap > usual * (VERDICT.chosen_steps if chosen else 1.0):
         apart = f"{gap / usual:.1f} steps" if usual > 0.0 else "far"
         raise NoPeriod(f"its last pose is {apart} from its first: no closed period")
     width = float(np.linalg.norm(poses - poses[0], axis=1).max())
-    if width < _WIDER * gap:
+    if width < VERDICT.wider * gap:
         wide = f"{width / gap:.1f} times as wide as the gap between its ends"
-        raise NoPeriod(f"its loop is {wide}, not {_WIDER:g}")
+        raise NoPeriod(f"its loop is {wide}, not {VERDICT.wider:g}")
     evidence = measure_closed(search, run)
-    if evidence.prominence < _PROMINENT and not chosen:
+    if evidence.prominence < VERDICT.prominent and not chosen:
         raise NoPeriod(
             f"its ends meet, but its longest bar is {evidence.prominence:.2f} times the next, "
-            f"not {_PROMINENT:g}",
+            f"not {VERDICT.prominent:g}",
             evidence,
         )
     return evidence

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from numbers import Integral
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.brief import brief
+from roundelay.base.checks import expected
 from roundelay.base.errors import LiftError
+from roundelay.base.threads import one_thread
 from roundelay.topology.distances import Runs, cross_distances
 from roundelay.topology.kernel import engine
 from roundelay.topology.kernel.reduction import F32, F64, I32, U64, count_up_to, narrow_ends
@@ -16,18 +20,11 @@ from roundelay.topology.landmarks import Landmarks, extend_phase
 from roundelay.topology.lift import Lift, lift_to_integers
 from roundelay.topology.rips import Barcode
 from roundelay.topology.significance import turns
+from roundelay.topology.thresholds import COORDINATE
 
-__all__ = ["CircularCoordinate", "Smoothing", "Weights", "circular_coordinate", "turns"]
+__all__ = ["CircularCoordinate", "Smoothing", "Weights", "circular_coordinate"]
 
 Weights = Literal["density", "uniform"]
-
-DEFAULT_LIFE = 0.7
-LARGEST_STEP = 0.45
-TOLERANCE = 1e-9
-SCOUTING_TOLERANCE = 1e-3
-SHARES = (0.95, 0.15, 8)
-SCOUTS = 256
-SLACK = 0.1
 
 
 @dataclass(frozen=True)
@@ -70,6 +67,11 @@ class CircularCoordinate:
     _anchor_phase: F64 = field(repr=False)
     _anchors: F64 | None = field(repr=False)
 
+    def __repr__(self) -> str:
+        terms = " + ".join(f"{factor} x {k}" for k, factor in self.combination)
+        which = f"class {self.class_index}" if len(self.combination) == 1 else f"classes {terms}"
+        return f"CircularCoordinate({len(self.phase)} points, {which}, scale {self.scale:.4g})"
+
     def evaluate(self, data: ArrayLike) -> F64:
         """Return the phase (m,) of new points.
 
@@ -104,6 +106,7 @@ class CircularCoordinate:
         return distances
 
 
+@one_thread
 def circular_coordinate(
     barcode: Barcode,
     *,
@@ -162,7 +165,7 @@ def circular_coordinate(
         raise ValueError(
             f"expected a scale in [{problem.birth:g}, {problem.death:g}), found {scale:g}"
         )
-    w, largest = problem.smooth(scale, np.zeros(barcode.n_points), TOLERANCE)
+    w, largest = problem.smooth(scale, np.zeros(barcode.n_points), COORDINATE.tolerance)
     return problem.coordinate(w, largest, scale, ((k, 1),), landmarks)
 
 
@@ -192,11 +195,13 @@ class Smoothing:
     values: I32
     weights: Weights
 
+    __repr__ = brief
+
     @classmethod
     def of_class(cls, barcode: Barcode, k: int, weights: Weights) -> Smoothing:
         """Lift class k and evaluate it on all edges below its death."""
-        if not 0 <= k < len(barcode):
-            raise ValueError(f"expected a class from 0 to {len(barcode) - 1}, found {k}")
+        if not (isinstance(k, Integral) and 0 <= k < len(expected(Barcode, barcode))):
+            raise ValueError(f"expected a class from 0 to {len(barcode) - 1}, found {k!r}")
         if weights not in ("density", "uniform"):
             raise ValueError(f'expected weights "density" or "uniform", found {weights!r}')
         reduction, death = barcode._reduction, float(barcode.deaths[k])
@@ -258,25 +263,26 @@ class Smoothing:
 def _choose_scale(problem: Smoothing, runs: Runs | None, landmarks: Landmarks | None) -> float:
     """Return the scale by the motion along time if there is one, else .7 of the life."""
     life = problem.death - problem.birth
-    default = problem.birth + DEFAULT_LIFE * life
+    default = problem.birth + COORDINATE.life * life
     if runs is None:
         return default
     if landmarks is not None:
         runs = [tuple(np.searchsorted(landmarks.indices, run).tolist()) for run in runs]
-    scores = _scores(problem, problem.birth + life * np.linspace(*SHARES), runs)
-    good = [scale for scale in scores if scores[scale] >= max(scores.values()) - SLACK]
+    shares = np.linspace(COORDINATE.highest, COORDINATE.lowest, COORDINATE.scales)
+    scores = _scores(problem, problem.birth + life * shares, runs)
+    good = [scale for scale in scores if scores[scale] >= max(scores.values()) - COORDINATE.slack]
     return min(good, key=lambda scale: abs(scale - default), default=default)
 
 
 def _scores(problem: Smoothing, scales: F64, runs: Runs) -> dict[float, float]:
     """Net turns minus twice the backward motion at each sound scale, on some of the frames."""
-    stride = -(-problem.barcode.n_points // SCOUTS)
+    stride = -(-problem.barcode.n_points // COORDINATE.scouts)
     thinned = problem.thinned(stride)
     fewer = [(-(-start // stride), -(-stop // stride)) for start, stop in runs]
     w, scores = np.zeros(problem.barcode.n_points), {}
     for scale in scales.tolist():
-        w, largest = thinned.smooth(scale, w, SCOUTING_TOLERANCE)
+        w, largest = thinned.smooth(scale, w, COORDINATE.scouting)
         net, total = turns(w[::stride], fewer)
-        if largest <= LARGEST_STEP and (problem.barcode.components <= scale).all():
+        if largest <= COORDINATE.largest_step and (problem.barcode.components <= scale).all():
             scores[scale] = 2 * abs(net) - total
     return scores

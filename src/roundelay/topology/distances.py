@@ -9,19 +9,33 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from roundelay.base.errors import TooShort
 from roundelay.topology.kernel import engine
 from roundelay.topology.kernel.reduction import F32, F64
+from roundelay.topology.memory import check_memory
 
-__all__ = ["Metric", "Runs", "cross_distances", "pairwise_distances"]
+__all__ = [
+    "Metric",
+    "Runs",
+    "as_numbers",
+    "check_distances",
+    "check_metric",
+    "check_points",
+    "cross_distances",
+    "in_unit",
+    "is_sparse",
+    "largest_finite",
+    "pairwise_distances",
+    "rounded_points",
+]
 
 Runs = Sequence[tuple[int, int]]
 """Half-open ranges [start, stop) of consecutive frames; no motion is counted between two."""
 
 Metric = Literal["euclidean", "precomputed"]
-"""Whether data are points (n, d) or their distances (n, n)."""
+"""Whether data are points (n, d) or their distances; see `check_distances` for their forms."""
 
 FEWEST_POINTS = 4
 
@@ -62,7 +76,8 @@ def rounded_points(points: F64) -> tuple[F32, np.float32]:
 
 def cross_distances(points: ArrayLike, others: ArrayLike) -> F32:
     """Euclidean distances (m, n) from points (m, d) to others (n, d)."""
-    left, right = np.asarray(points, np.float64), np.asarray(others, np.float64)
+    left = np.asarray(as_numbers(points, "points (m, d)"), np.float64)
+    right = np.asarray(others, np.float64)
     if left.ndim != 2 or left.shape[1:] != right.shape[1:]:
         raise ValueError(f"expected points (m, {right.shape[1]}), found {left.shape}")
     centre = right.mean(axis=0)
@@ -95,7 +110,7 @@ def check_metric(metric: str) -> None:
 
 def check_points(points: ArrayLike) -> F64:
     """Return points as float64, or raise what is wrong with them."""
-    array = np.asarray(points, np.float64)
+    array = np.asarray(as_numbers(points, "points (n, d)"), np.float64)
     if array.ndim != 2 or array.shape[1] == 0:
         raise ValueError(f"expected points (n, d), found an array of shape {array.shape}")
     if not np.isfinite(array).all():
@@ -104,15 +119,105 @@ def check_points(points: ArrayLike) -> F64:
     return array
 
 
-def check_distances(distances: ArrayLike) -> F32:
-    """Return a distance matrix as float32, or raise what is wrong with it."""
-    array: NDArray[Any] = np.asarray(distances)
+def as_numbers(data: Any, what: str) -> np.ndarray:
+    """Return data as an array of real numbers, or raise ValueError with what was expected."""
+    if is_sparse(data):
+        raise ValueError(f"expected {what}, found a sparse matrix")
+    try:
+        array = np.asarray(data)
+        if array.dtype.kind == "c":
+            raise TypeError
+        return array if array.dtype.kind in "buif" else array.astype(np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"expected {what} as numbers, found {_in_short(data)}") from None
+
+
+def _in_short(data: Any) -> str:
+    dtype = getattr(data, "dtype", "")
+    return f"{type(data).__name__} of {dtype}" if dtype else type(data).__name__
+
+
+def is_sparse(data: object) -> bool:
+    """Tell whether data are a sparse matrix, as SciPy makes them."""
+    return hasattr(data, "tocoo")
+
+
+def check_distances(distances: Any) -> F32:
+    """Return distances as a symmetric matrix of float32, or raise what is wrong with them.
+
+    Parameters
+    ----------
+    distances : (n, n) array_like or sparse matrix, or (n (n - 1) / 2,) array_like
+        All of them; or condensed, the rows above the diagonal one after the other as from
+        SciPy's ``pdist``; or sparse, where what is not stored is no edge and one triangle is
+        enough. Infinity is no edge, too.
+
+    Returns
+    -------
+    (n, n) array of float32
+        Infinite where there is no edge.
+
+    Raises
+    ------
+    ValueError
+        If they are not such, not symmetric, below 0 or NaN, or the diagonal is not 0.
+    TooShort
+        If they are of fewer than 4 points.
+    TooLarge
+        If they are condensed or sparse, and too many for the memory that is free.
+    """
+    if is_sparse(distances):
+        matrix = _of_sparse(distances)
+    else:
+        array = as_numbers(distances, "distances")
+        matrix = _of_condensed(array) if array.ndim == 1 else _of_square(array)
+    _check_entries(matrix)
+    return matrix
+
+
+def _of_square(array: np.ndarray) -> F32:
     if array.ndim != 2 or array.shape[0] != array.shape[1]:
-        raise ValueError(f"expected distances (n, n), found an array of shape {array.shape}")
+        raise ValueError(
+            f"expected distances (n, n) or (n (n - 1) / 2,), found an array of shape {array.shape}"
+        )
     _check_count(len(array))
-    narrow: F32 = np.ascontiguousarray(array, np.float32)
-    _check_entries(narrow)
-    return narrow
+    return _narrow(np.ascontiguousarray(array))
+
+
+def _of_condensed(values: np.ndarray) -> F32:
+    n = round((1 + np.sqrt(1 + 8 * len(values))) / 2)
+    if n * (n - 1) // 2 != len(values):
+        raise ValueError(f"expected n (n - 1) / 2 condensed distances, found {len(values)}")
+    _check_count(n)
+    check_memory(n)
+    matrix = np.zeros((n, n), np.float32)
+    matrix[~np.tri(n, dtype=bool)] = _narrow(values)
+    return matrix + matrix.T
+
+
+def _of_sparse(distances: Any) -> F32:
+    shape = tuple(distances.shape)
+    if len(shape) != 2 or shape[0] != shape[1]:
+        raise ValueError(f"expected distances (n, n), found a sparse matrix of shape {shape}")
+    _check_count(shape[0])
+    check_memory(shape[0])
+    edges = distances.tocsr().tocoo()
+    matrix = np.full(shape, np.inf, np.float32)
+    np.fill_diagonal(matrix, 0)
+    matrix[edges.row, edges.col] = _narrow(as_numbers(edges.data, "distances"))
+    if (edges.row <= edges.col).all() or (edges.row >= edges.col).all():
+        matrix = np.minimum(matrix, matrix.T)
+    return matrix
+
+
+def _narrow(values: np.ndarray) -> F32:
+    """Round to float32; adding 0 makes -0.0, whose bits are those of a large number, 0.0."""
+    with np.errstate(over="ignore"):
+        narrow = np.asarray(values, np.float32) + np.float32(0)
+    if np.isinf(narrow).any() and not np.array_equal(np.isinf(narrow), np.isinf(values)):
+        most = np.finfo(np.float32).max
+        raise ValueError(f"expected distances up to {most:.2g} or infinity, found larger ones")
+    return np.asarray(narrow, np.float32)
 
 
 def _check_count(n: int) -> None:
@@ -121,22 +226,29 @@ def _check_count(n: int) -> None:
 
 
 def _check_entries(distances: F32) -> None:
-    low, high = float(distances.min()), float(distances.max())
-    if not np.isfinite([low, high]).all():
-        raise ValueError("expected finite distances, found NaN or infinity")
+    low = float(distances.min())
+    if np.isnan(low):
+        raise ValueError("expected distances, finite or infinite, found NaN")
     if low < 0:
         raise ValueError(f"expected distances of at least 0, found {low:g}")
     if distances.diagonal().any():
         raise ValueError("expected a zero diagonal: the distance of a point from itself")
-    if not _is_symmetric(distances, 1e-5 * high):
+    if not _is_symmetric(distances, 1e-5 * largest_finite(distances)):
         raise ValueError("expected symmetric distances: d[i, j] and d[j, i] differ")
 
 
+def largest_finite(distances: F32) -> float:
+    """Return the largest distance of two points that an edge can join; 0 if there is none."""
+    return float(distances.max(initial=0.0, where=np.isfinite(distances)))
+
+
 def _is_symmetric(distances: F32, tolerance: float, block: int = 256) -> bool:
-    starts = range(0, len(distances), block)
     return all(
-        bool(
-            (abs(distances[a : a + block, a:] - distances[a:, a : a + block].T) <= tolerance).all()
-        )
-        for a in starts
+        _agree(distances[a : a + block, a:], distances[a:, a : a + block].T, tolerance)
+        for a in range(0, len(distances), block)
     )
+
+
+def _agree(first: F32, second: F32, tolerance: float) -> bool:
+    with np.errstate(invalid="ignore"):  # infinity minus infinity
+        return bool(((first == second) | (abs(first - second) <= tolerance)).all())

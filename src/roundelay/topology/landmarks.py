@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from numbers import Integral
 from typing import Literal
 
 import numpy as np
@@ -44,6 +45,10 @@ class Landmarks:
     cover_radius: float
     _distances: F32 = field(repr=False)
 
+    def __repr__(self) -> str:
+        chosen, radius = len(self.indices), self.cover_radius
+        return f"Landmarks({chosen} of {len(self._distances)} points, cover radius {radius:.4g})"
+
     @property
     def error_bound(self) -> float:
         """How far births and deaths of the landmarks' bars can be from those of all points.
@@ -61,8 +66,9 @@ def choose_landmarks(
 
     Parameters
     ----------
-    data : (n, d) or (n, n) array_like
-        Points, or their distances with ``metric="precomputed"``.
+    data : (n, d) array_like, or distances
+        Points, or with ``metric="precomputed"`` their distances, in any form that
+        `roundelay.topology.persistent_cohomology` takes.
     count : int
         How many, at least 4; all points when there are fewer.
     method : {"stride", "greedy"}
@@ -84,10 +90,10 @@ def choose_landmarks(
         If there are fewer than 4 points.
     """
     check_metric(metric)
-    if count < 4 or method not in ("stride", "greedy"):
+    if not (isinstance(count, Integral) and count >= 4) or method not in ("stride", "greedy"):
         raise ValueError(
             f'expected a count of at least 4 and method "stride" or "greedy", '
-            f"found {count} and {method!r}"
+            f"found {count!r} and {method!r}"
         )
     columns = _columns_of(data, metric)
     n = len(columns(np.zeros(1, np.intp)))

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from roundelay.topology.kernel.reduction import F64, I64
+from roundelay.topology.thresholds import LATTICE
 
 __all__ = ["reduce_lattice"]
-
-LOVASZ = 0.99
 
 
 def reduce_lattice(gram: F64) -> I64:
@@ -31,7 +30,7 @@ def reduce_lattice(gram: F64) -> I64:
             factors, _ = _orthogonalised(basis @ gram @ basis.T)
             basis[k] -= np.int64(np.rint(factors[k, j])) * basis[j]
         factors, norms = _orthogonalised(basis @ gram @ basis.T)
-        if norms[k] >= (LOVASZ - factors[k, k - 1] ** 2) * norms[k - 1]:
+        if norms[k] >= (LATTICE.lovasz - factors[k, k - 1] ** 2) * norms[k - 1]:
             k += 1
         else:
             basis[[k - 1, k]] = basis[[k, k - 1]]

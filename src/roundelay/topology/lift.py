@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from roundelay.base.brief import brief
 from roundelay.base.errors import LiftError
 from roundelay.topology.kernel.reduction import I64, Columns
 
@@ -30,6 +31,8 @@ class Lift:
     values: I64
     multiplier: int
     divisor: int
+
+    __repr__ = brief
 
 
 def lift_to_integers(on_births: I64, prime: int, relations: Columns, death: float) -> Lift:

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from numbers import Integral, Real
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from roundelay.base.errors import TooLarge
+from roundelay.base.threads import one_thread
 from roundelay.topology.distances import (
     Metric,
+    as_numbers,
     check_distances,
     check_metric,
+    check_points,
+    is_sparse,
+    largest_finite,
     pairwise_distances,
 )
 from roundelay.topology.kernel import engine
@@ -28,14 +34,11 @@ from roundelay.topology.kernel.reduction import (
     ends,
     lengths_of,
 )
+from roundelay.topology.memory import check_memory
 
-__all__ = ["Barcode", "persistent_cohomology"]
+__all__ = ["Barcode", "enclosing_radius", "persistent_cohomology"]
 
-MOST_POINTS = 65535
 LARGEST_PRIME = 46337
-BYTES_PER_PAIR = 16
-
-_ADVICE = "use landmarks (roundelay.topology.choose_landmarks) and extend the coordinate to all"
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,11 @@ class Barcode:
     _lengths: F32 = field(repr=False)
     _reduction: Reduction = field(repr=False)
     _points: F64 | None = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        bars = "bar" if len(self) == 1 else "bars"
+        bars = bars if self.is_complete else f"longest {bars}"
+        return f"Barcode({len(self)} {bars} of {self.n_points} points, mod {self.prime})"
 
     def __len__(self) -> int:
         return len(self.births)
@@ -148,6 +156,7 @@ class Barcode:
         return values
 
 
+@one_thread
 def persistent_cohomology(
     data: ArrayLike,
     *,
@@ -165,14 +174,17 @@ def persistent_cohomology(
 
     Parameters
     ----------
-    data : (n, d) or (n, n) array_like
-        Points, or distances with ``metric="precomputed"``, in any unit.
+    data : (n, d) array_like, or distances
+        Points, in any unit; with ``metric="precomputed"`` distances, as a matrix (n, n), condensed
+        (n (n - 1) / 2,) as from SciPy's ``pdist``, or as a sparse matrix. Pairs that are infinitely
+        far apart, or not stored in a sparse matrix, are never joined by an edge.
     metric : {"euclidean", "precomputed"}
         What `data` is.
     prime : int
         Coefficients modulo this prime, 2 to 46337.
     max_scale : float, optional
-        Stop at this scale; default: the enclosing radius, where all classes have died.
+        Stop at this scale; default: the enclosing radius, where all classes have died, or the
+        longest edge if each point lacks an edge to some other: what lives then never dies.
     longest : int, optional
         Stop, exactly, once this many longest bars are settled, and return only those.
 
@@ -184,27 +196,30 @@ def persistent_cohomology(
     Raises
     ------
     ValueError
-        If distances are not symmetric, finite, of zero diagonal and at least 0, all points are
-        equal, or `prime` is not a prime in range.
+        If distances are not symmetric, of zero diagonal and at least 0, all points are equal, or
+        `prime` is not a prime in range.
     TooShort
         If there are fewer than 4 points.
     TooLarge
         If the estimated memory exceeds what the machine has free.
     """
-    _check_prime(prime)
-    if longest is not None and longest < 1:
-        raise ValueError(f"expected longest of at least 1, found {longest}")
-    if max_scale is not None and not max_scale >= 0:
-        raise ValueError(f"expected a max_scale of at least 0, found {max_scale}")
+    prime = _checked_prime(prime)
+    if longest is not None and not (isinstance(longest, Integral) and longest >= 1):
+        raise ValueError(f"expected longest as a whole number of at least 1, found {longest!r}")
+    if max_scale is not None and not (isinstance(max_scale, Real) and max_scale >= 0):
+        raise ValueError(f"expected a max_scale of at least 0, found {max_scale!r}")
     lengths = _lengths(data, metric)
     radius = enclosing_radius(lengths)
-    limit = radius if max_scale is None else float(np.float32(max_scale))
-    early = 0 if longest is None or limit < radius else longest
-    reduction = engine().reduce(lengths, limit=min(limit, radius), prime=prime, longest=early)
+    last = radius if np.isfinite(radius) else largest_finite(lengths)
+    limit = last if max_scale is None else float(np.float32(max_scale))
+    limit = limit if radius == last else min(limit, last)
+    is_cut = limit < radius
+    early = 0 if longest is None or is_cut else longest
+    reduction = engine().reduce(lengths, limit=min(limit, last), prime=prime, longest=early)
     points = np.asarray(data, np.float64) if metric == "euclidean" else None
     return _barcode(
         lengths, reduction, points,
-        prime=prime, max_scale=limit, is_cut=limit < radius, longest=longest,
+        prime=prime, max_scale=limit, is_cut=is_cut, longest=longest,
     )  # fmt: skip
 
 
@@ -215,12 +230,24 @@ def enclosing_radius(lengths: F32) -> float:
 
 def _lengths(data: ArrayLike, metric: Metric) -> F32:
     check_metric(metric)
-    n = len(np.asarray(data)) if np.ndim(data) else 0
-    check_memory(n)
-    lengths = pairwise_distances(data) if metric == "euclidean" else check_distances(data)
+    lengths = _distances(data) if metric == "precomputed" else _between(check_points(data))
     if not lengths.any():
-        raise ValueError(f"all {n} points are equal: there is no shape to find a loop in")
+        raise ValueError(
+            f"all {len(lengths)} points are equal: there is no shape to find a loop in"
+        )
     return lengths
+
+
+def _between(points: F64) -> F32:
+    check_memory(len(points))
+    return pairwise_distances(points)
+
+
+def _distances(data: Any) -> F32:
+    given = data if is_sparse(data) else as_numbers(data, "distances")
+    if given.ndim == 2:
+        check_memory(given.shape[0])
+    return check_distances(given)
 
 
 def _barcode(
@@ -246,28 +273,10 @@ def _barcode(
     )  # fmt: skip
 
 
-def _check_prime(prime: int) -> None:
-    if not 2 <= prime <= LARGEST_PRIME or any(
-        prime % q == 0 for q in range(2, int(prime**0.5) + 1)
+def _checked_prime(prime: object) -> int:
+    number = int(prime) if isinstance(prime, Integral) else 0
+    if not 2 <= number <= LARGEST_PRIME or any(
+        number % q == 0 for q in range(2, math.isqrt(number) + 1)
     ):
-        raise ValueError(f"expected a prime from 2 to {LARGEST_PRIME}, found {prime}")
-
-
-def check_memory(n: int) -> None:
-    """Raise TooLarge, before any work, if n points would not fit: lengths, keys, fills, values."""
-    if n > MOST_POINTS:
-        raise TooLarge(f"{n} points are more than the {MOST_POINTS} of one filtration: {_ADVICE}")
-    needed, free = BYTES_PER_PAIR * n * n, available_memory()
-    if free is not None and needed > free:
-        raise TooLarge(
-            f"{n} points need about {needed / 1e9:.1f} GB, {free / 1e9:.1f} GB are free: {_ADVICE}"
-        )
-
-
-def available_memory() -> int | None:
-    """Return the bytes of memory that are free for use, or None where the system does not say."""
-    try:
-        with Path("/proc/meminfo").open() as lines:
-            return next(1024 * int(line.split()[1]) for line in lines if "MemAvailable" in line)
-    except (OSError, StopIteration, ValueError):
-        return None
+        raise ValueError(f"expected a prime from 2 to {LARGEST_PRIME}, found {prime!r}")
+    return number

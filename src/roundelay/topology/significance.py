@@ -1,41 +1,15 @@
-"""Which bars are more than noise, and which loops are periodic in time."""
+"""Which bars are more than noise, and how a coordinate turns along time."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
 from roundelay.topology.distances import Runs
 from roundelay.topology.kernel.reduction import F64
 from roundelay.topology.rips import Barcode
+from roundelay.topology.thresholds import SIGNIFICANCE
 
-__all__ = ["Periodicity", "count_classes", "p_values", "periodicity", "turns", "two_bar_ratio"]
-
-FEWEST_TURNS = 1.5
-LEAST_FORWARD = 0.8
-STEPS_A_TURN = 12
-
-
-@dataclass(frozen=True)
-class Periodicity:
-    """How a coordinate moves along time.
-
-    Attributes
-    ----------
-    net : float
-        Turns forward minus backward, in cycles; the sign tells the direction.
-    total : float
-        Turns forward plus backward, in cycles, in steps of a twelfth of a turn's mean time, so
-        that the jitter of a densely sampled motion does not count.
-    is_periodic : bool
-        At least 1.5 net turns, and at least .8 of the motion forward: a loop that is run
-        through again and again, not a shape that noise happened to close.
-    """
-
-    net: float
-    total: float
-    is_periodic: bool
+__all__ = ["count_classes", "p_values", "turns", "two_bar_ratio"]
 
 
 def p_values(barcode: Barcode) -> F64:
@@ -43,7 +17,8 @@ def p_values(barcode: Barcode) -> F64:
 
     Bobrowski and Skraba 2023 (Sci. Rep. 13:12274): with l = log log(death / birth) minus its
     mean over all bars and Euler's constant, noise has p = exp(-exp(l)); times the number of bars
-    (Bonferroni). A small value says "there is a loop", not "it is periodic": see `periodicity`.
+    (Bonferroni). A small value says "there is a loop", not "it is periodic": that shows in the
+    turns of its coordinate along time, see `turns`.
 
     Parameters
     ----------
@@ -72,7 +47,7 @@ def p_values(barcode: Barcode) -> F64:
     return np.asarray(np.minimum(single * len(barcode), 1.0), np.float64)
 
 
-def count_classes(barcode: Barcode, *, level: float = 0.05) -> int:
+def count_classes(barcode: Barcode, *, level: float | None = None) -> int:
     """Count the longest bars that are significant: the number of classes to look at.
 
     [A] 4.2 leaves this number to the eye.
@@ -81,15 +56,15 @@ def count_classes(barcode: Barcode, *, level: float = 0.05) -> int:
     ----------
     barcode : Barcode
         All bars.
-    level : float
-        Largest corrected p-value of a significant bar.
+    level : float, optional
+        Largest corrected p-value of a significant bar; .05 by default.
 
     Returns
     -------
     int
         How many bars, longest first, before the first that is not significant.
     """
-    passed = p_values(barcode) <= level
+    passed = p_values(barcode) <= (SIGNIFICANCE.level if level is None else level)
     return int(np.logical_and.accumulate(passed).sum())
 
 
@@ -123,35 +98,3 @@ def turns(phase: F64, runs: Runs) -> tuple[float, float]:
     moved = np.concatenate([np.zeros(0), *steps])
     moved -= np.round(moved)
     return float(moved.sum()), float(abs(moved).sum())
-
-
-def periodicity(phase: F64, runs: Runs) -> Periodicity:
-    """Tell a periodic motion from a mere loop by the way it is run through.
-
-    Parameters
-    ----------
-    phase : (n,) array
-        A circular coordinate in time order, in cycles.
-    runs : sequence of (start, stop)
-        Runs of consecutive frames.
-
-    Returns
-    -------
-    Periodicity
-        Net and total turns and the verdict.
-    """
-    net, total = turns(phase, runs)
-    if abs(net) >= FEWEST_TURNS:
-        frames = sum(stop - start for start, stop in runs)
-        total = _coarse_variation(phase, runs, max(1, int(frames / (STEPS_A_TURN * abs(net)))))
-    forward = abs(net) >= LEAST_FORWARD * total
-    return Periodicity(net, total, bool(forward and abs(net) >= FEWEST_TURNS))
-
-
-def _coarse_variation(phase: F64, runs: Runs, lag: int) -> float:
-    """Sum of turns to and fro between every lag-th frame, following each frame in between."""
-    total = 0.0
-    for start, stop in runs:
-        unwrapped = np.unwrap(phase[start:stop], period=1.0)
-        total += float(abs(np.diff(np.append(unwrapped[:-1:lag], unwrapped[-1:]))).sum())
-    return total

@@ -11,17 +11,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from roundelay.topology.coordinate import TOLERANCE, CircularCoordinate, Smoothing, Weights
+from roundelay.base.threads import one_thread
+from roundelay.topology.coordinate import CircularCoordinate, Smoothing, Weights
 from roundelay.topology.kernel.reduction import F64, I64, count_up_to, ends
 from roundelay.topology.landmarks import Landmarks
 from roundelay.topology.lattice import reduce_lattice
 from roundelay.topology.rips import Barcode
+from roundelay.topology.thresholds import COORDINATE, LATTICE
 
 __all__ = ["combined_coordinates", "toroidal_coordinates"]
 
-HIGH = 0.7
 
-
+@one_thread
 def toroidal_coordinates(
     barcode: Barcode,
     *,
@@ -65,6 +66,7 @@ def toroidal_coordinates(
     return span.combined(reduce_lattice(span.gram()), landmarks)
 
 
+@one_thread
 def combined_coordinates(
     barcode: Barcode,
     coefficients: Sequence[Sequence[int]],
@@ -106,7 +108,7 @@ class _Span:
         start = np.zeros(problems[0].barcode.n_points)
         self.problems, self.classes, self.scale = problems, tuple(classes), scale
         self.count = count_up_to(problems[0].keys, scale)
-        self.w = np.array([each.smooth(scale, start, TOLERANCE)[0] for each in problems])
+        self.w = np.array([each.smooth(scale, start, COORDINATE.tolerance)[0] for each in problems])
         i, j = ends(problems[0].keys[: self.count])
         self.steps = np.array([each.values[: self.count] for each in problems])
         self.steps = self.steps + self.w[:, j] - self.w[:, i]
@@ -119,7 +121,7 @@ class _Span:
         low = max(each.birth for each in problems)
         high = min(each.death for each in problems)
         if scale is None:
-            scale = low + HIGH * (high - low)
+            scale = low + LATTICE.life * (high - low)
         if not low <= scale < high:
             raise ValueError(
                 f"expected a scale in [{low:g}, {high:g}), where the classes "

@@ -13,8 +13,10 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.threads import one_thread
 from roundelay.cycles.contacts import standing_feet
 from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.thresholds import ALIGNMENT
 from roundelay.geometry import rotations as rot
 from roundelay.geometry import symmetry
 from roundelay.geometry.kinematics import heading
@@ -26,9 +28,6 @@ __all__ = ["Alignment", "Criterion", "align", "mapped", "mirrored", "shifted"]
 
 Array = NDArray[np.float64]
 Criterion = Literal["poses", "contacts"]
-
-# Phases at which cycles are compared.
-_GRID = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +119,7 @@ def mapped(curve: HarmonicCurve, change: Callable[[Array], Array]) -> HarmonicCu
     )
 
 
+@one_thread
 def align(
     first: Cycle, second: Cycle, *, by: Criterion = "poses", mirror: bool = False
 ) -> Alignment:
@@ -159,12 +159,13 @@ def align(
 
 
 def _in_phase(first: Cycle, second: Cycle, by: Criterion, swapped: bool) -> Alignment:
-    grid = np.arange(_GRID) / _GRID
+    count = ALIGNMENT.phases
+    grid = np.arange(count) / count
     squares = _apart(*(point_cloud(c.at(grid, frame_time=1.0)) for c in (first, second)))
-    allowed = _same_contacts(first, second) if by == "contacts" else np.ones(_GRID, bool)
+    allowed = _same_contacts(first, second) if by == "contacts" else np.ones(count, bool)
     best = int(np.argmin(np.where(allowed, squares, np.inf)))
-    offset = (best + lowest_between(squares[[best - 1, best, (best + 1) % _GRID]])) / _GRID
-    distance = float(np.sqrt(max(squares[best], 0.0) / (_GRID * first.skeleton.n_joints)))
+    offset = (best + lowest_between(squares[[best - 1, best, (best + 1) % count]])) / count
+    distance = float(np.sqrt(max(squares[best], 0.0) / (count * first.skeleton.n_joints)))
     turn = _facing(first) - _facing(second)
     return Alignment(_turned(shifted(second, offset), turn), offset % 1.0, distance, swapped)
 
@@ -177,16 +178,18 @@ def _apart(ours: Array, theirs: Array) -> Array:
 
 
 def _same_contacts(first: Cycle, second: Cycle) -> NDArray[np.bool_]:
-    """Tell the shifts (_GRID,) at which the feet stand at the same time, as nearly as they can."""
-    (ours, one), (theirs, two) = (standing_feet(cycle, _GRID) for cycle in (first, second))
+    """Tell the shifts (phases,) at which the feet stand at the same time, as nearly as they can."""
+    count = ALIGNMENT.phases
+    (ours, one), (theirs, two) = (standing_feet(cycle, count) for cycle in (first, second))
     if [foot.joint for foot in ours] != [foot.joint for foot in theirs]:
-        return np.ones(_GRID, bool)
+        return np.ones(count, bool)
     differing = np.round(_apart(one.astype(float), two.astype(float)))
     return np.asarray(differing == differing.min())
 
 
 def _facing(cycle: Cycle) -> float:
-    root = rot.mean(cycle.rotations(np.arange(_GRID) / _GRID)[:, 0])
+    grid = np.arange(ALIGNMENT.phases) / ALIGNMENT.phases
+    root = rot.mean(cycle.rotations(grid)[:, 0])
     return float(heading(root, cycle.up))
 
 

@@ -15,8 +15,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import expected
+from roundelay.base.numeric import ROUNDING, SIX_DIGITS, smoothstep
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import Criterion, align, mapped
+from roundelay.cycles.thresholds import ALIGNMENT
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion, checked_rate
@@ -25,9 +29,6 @@ from roundelay.phase.harmonic import HarmonicCurve
 __all__ = ["CycleSpace", "blend", "transition"]
 
 Array = NDArray[np.float64]
-
-# Phases at which cycles are compared.
-_GRID = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,10 +59,11 @@ class CycleSpace:
         """
         if not cycles:
             raise ValueError("expected at least one cycle")
-        first = cycles[0]
+        first, *_ = [expected(Cycle, cycle) for cycle in cycles]
         others = [align(first, other, by=by, mirror=mirror).cycle for other in cycles[1:]]
         return cls((first, *[_same_signs(first, other) for other in others]))
 
+    @one_thread
     def cycle(self, weights: ArrayLike) -> Cycle:
         """Return the blend (k,) of the cycles as a cycle.
 
@@ -90,6 +92,7 @@ class CycleSpace:
             evidence=None,
         )
 
+    @one_thread
     def rotations(self, weights: ArrayLike, phase: ArrayLike) -> Array:
         """Return rotations (n, J, 4) at phases (n,) with weights (k,) or one row a phase (n, k).
 
@@ -142,7 +145,7 @@ class CycleSpace:
         values = np.array([_parameter(cycle, by) for cycle in self.cycles])
         order = np.argsort(values)
         low, high = values[order[0]], values[order[-1]]
-        slack = 1e-9 * (abs(low) + abs(high))
+        slack = ROUNDING * (abs(low) + abs(high))
         if not low - slack <= value <= high + slack:
             raise ValueError(f"expected a {by} from {low:g} to {high:g}, found {value:g}")
         place = np.interp(value, values[order], np.arange(len(values)))
@@ -178,7 +181,7 @@ def _checked(weights: ArrayLike, count: int) -> Array:
         raise ValueError(f"expected {count} weights, found an array of shape {w.shape}")
     if not np.all(np.isfinite(w)) or np.any(w < 0.0):
         raise ValueError(f"expected weights that are not negative, found {w.tolist()}")
-    if abs(w.sum() - 1.0) > 1e-6:
+    if abs(w.sum() - 1.0) > SIX_DIGITS:
         raise ValueError(f"expected weights with a sum of 1, found {w.sum():g}")
     return w
 
@@ -189,7 +192,7 @@ def _same_signs(first: Cycle, other: Cycle) -> Cycle:
     if np.any(ours != theirs):
         names = [first.skeleton.names[joint] for joint in np.flatnonzero(ours != theirs)]
         raise ValueError(f"joints that make whole turns in one cycle only: {', '.join(names)}")
-    grid = np.arange(_GRID) / _GRID
+    grid = np.arange(ALIGNMENT.phases) / ALIGNMENT.phases
     products = np.einsum("pjq,pjq->j", first.rotations(grid), other.rotations(grid))
     signs = np.repeat(np.where(products < 0.0, -1.0, 1.0), 4)
     odd = None if other.odd_pose is None else mapped(other.odd_pose, lambda v: v * signs)
@@ -214,6 +217,7 @@ def _combined(curves: Sequence[HarmonicCurve], weights: Array) -> HarmonicCurve:
     return HarmonicCurve(longest.frequencies, constant, sine, cosine)
 
 
+@one_thread
 def blend(
     cycles: Sequence[Cycle],
     weights: ArrayLike,
@@ -225,6 +229,7 @@ def blend(
     return CycleSpace.of(cycles, by=by, mirror=mirror).cycle(weights)
 
 
+@one_thread
 def transition(
     first: Cycle,
     second: Cycle,
@@ -268,7 +273,7 @@ def transition(
     SkeletonMismatch
         If the skeletons differ.
     """
-    if not (0.0 < seconds <= 60.0 and 0.0 <= before <= 3600.0 and 0.0 <= after <= 3600.0):
+    if not (0.0 < seconds <= 60 and 0.0 <= before <= 3600 and 0.0 <= after <= 3600):
         raise ValueError(
             "expected no negative durations, a transition of up to 60 s and up to 3600 s before "
             f"and after it, found {seconds:g}, {before:g} and {after:g}"
@@ -276,8 +281,7 @@ def transition(
     rate = checked_rate(first.fps if fps is None else fps)
     space = CycleSpace.of([first, second], by=by, mirror=mirror)
     time = np.arange(round((before + seconds + after) * rate) + 1) / rate
-    share = np.clip((time - before) / seconds, 0.0, 1.0)
-    share = share * share * (3.0 - 2.0 * share)
+    share = smoothstep(np.clip((time - before) / seconds, 0.0, 1.0))
     weights = np.stack([1.0 - share, share], axis=1)
     one, two = space.cycles
     pace = np.exp(-weights @ np.log([one.period, two.period]))

@@ -8,7 +8,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import ROUNDING, smoothstep
 from roundelay.base.spans import Span, Spans
+from roundelay.cycles.thresholds import FOOTLOCK
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import Foot, Mask, contacts, find_feet, foot_points
 from roundelay.geometry.kinematics import forward_kinematics
@@ -18,11 +20,6 @@ from roundelay.motion.motion import Motion
 __all__ = ["lock_feet", "lock_offsets", "move_foot"]
 
 Array = NDArray[np.float64]
-
-# A leg is never stretched beyond this share of its length.
-_STRETCH = 0.9995
-# Sine of the knee's angle below which it gives up following.
-_DAMPING = 0.6
 
 
 def lock_feet(motion: Motion, longest: int) -> tuple[list[int], Array]:
@@ -98,7 +95,7 @@ def _eased(offsets: Array, held: Sequence[Span]) -> Array:
     result = offsets.copy()
     for (_, stop), (start, _) in pairwise(held):
         x = (np.arange(stop, start) - (stop - 1)) / (start - stop + 1)
-        step = (x * x * (3.0 - 2.0 * x))[:, None]
+        step = smoothstep(x)[:, None]
         result[stop:start] = (1.0 - step) * offsets[stop - 1] + step * offsets[start]
     result[: held[0][0]] = offsets[held[0][0]]
     result[held[-1][1] :] = offsets[held[-1][1] - 1]
@@ -150,7 +147,8 @@ def move_foot(
 def _knee_turn(upper: Array, lower: Array, distance: Array) -> Array:
     """Return the turn (F, 4) of the lower bone that gives hip and ankle a distance (F,)."""
     a, b = np.linalg.norm(upper, axis=-1), np.linalg.norm(lower, axis=-1)
-    reachable = np.clip(distance, abs(a - b) / _STRETCH, (a + b) * _STRETCH)
+    stretch = FOOTLOCK.stretch
+    reachable = np.clip(distance, abs(a - b) / stretch, (a + b) * stretch)
     cosine = (reachable**2 - a**2 - b**2) / (2.0 * a * b)
     normal = np.cross(upper, lower)
     sine = np.linalg.norm(normal, axis=-1)
@@ -159,8 +157,8 @@ def _knee_turn(upper: Array, lower: Array, distance: Array) -> Array:
     # Where the leg is nearly straight, much bending moves the foot little: damped there, as in
     # damped least squares, or the knee would snap.
     bent = np.sin(now) ** 2
-    turn *= bent / (bent + _DAMPING**2)
-    axis = normal / np.maximum(sine, 1e-9 * a * b)[:, None]
+    turn *= bent / (bent + FOOTLOCK.damping**2)
+    axis = normal / np.maximum(sine, ROUNDING * a * b)[:, None]
     return rot.from_rotation_vector(axis * turn[:, None])
 
 

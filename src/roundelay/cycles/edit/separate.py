@@ -14,12 +14,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import smoothstep
 from roundelay.base.spans import Span, Spans, closed_spans
+from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.thresholds import REPAIR
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import contacts, find_feet, foot_points, shoulders
 from roundelay.geometry.kinematics import forward_kinematics
-from roundelay.geometry.separation import CLEARANCE, Body, Pair, deepest, separate, turned
+from roundelay.geometry.separation import Body, Pair, deepest, separate, turned
+from roundelay.geometry.thresholds import SEPARATION
 from roundelay.motion.motion import Motion
 from roundelay.phase.harmonic import HarmonicCurve, highest_harmonic
 
@@ -27,11 +31,6 @@ __all__ = ["Mended", "repaired", "repaired_motion", "source_parts"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-# Frames a second at which a cycle is looked at, and frames of a period.
-_FPS, _FRAMES = 120.0, (64, 480)
-# Seconds in which a leg that leaves the ground becomes free to turn.
-_EASE = 0.1
 
 
 @dataclass(frozen=True)
@@ -60,6 +59,7 @@ def source_parts(cycle: Cycle, motion: Motion, *, mirror: bool = False) -> list[
     return parts + [part.mirror() for part in parts if mirror]
 
 
+@one_thread
 def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple[Mended, ...]]:
     """Part limbs of a cycle that pass through each other, by small smooth turns.
 
@@ -78,7 +78,7 @@ def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple
         The one given, if nothing was mended.
     mended : tuple of Mended
     """
-    count = int(np.clip(round(_FPS * cycle.period), *_FRAMES))
+    count = int(np.clip(round(REPAIR.rate * cycle.period), REPAIR.fewest, REPAIR.most))
     fps = count / cycle.period
     # The periods before and after decide about feet that stand across the seam.
     around = cycle.sample(fps, start=-1.0, periods=3)
@@ -92,7 +92,7 @@ def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple
         return cycle, ()
     changed = _turned(cycle, body.joints, parted.turns)
     # The feet are locked anew, which may undo it.
-    allowed = {pair: depth + CLEARANCE for pair, depth in before.items()}
+    allowed = {pair: depth + SEPARATION.clearance for pair, depth in before.items()}
     allowed |= dict.fromkeys(parted.met, 0.0)
     after = _deepest([changed.sample(fps)])
     if any(d > max(allowed.get(p, 0.0), limits.get(p, 0.0)) for p, d in after.items()):
@@ -103,6 +103,7 @@ def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple
     )
 
 
+@one_thread
 def repaired_motion(
     motion: Motion, sources: Sequence[Motion] = ()
 ) -> tuple[Motion, tuple[Mended, ...]]:
@@ -141,7 +142,7 @@ def _body(motion: Motion, frames: slice, *, closed: bool) -> Body:
     if feet:
         points = foot_points(feet, places, turns)
         standing = contacts(points, fps=motion.fps, size=motion.skeleton.size, up=motion.up)
-        freedom[:, len(arms) :] = _eased(standing, _EASE * motion.fps)
+        freedom[:, len(arms) :] = _eased(standing, REPAIR.ease * motion.fps)
     part = motion[frames]
     joints = np.array([*arms, *(foot.hip for foot in feet)], np.intp)
     return Body(
@@ -163,7 +164,7 @@ def _eased(standing: Mask, frames: float) -> Array:
         for start, stop in Spans.of_mask(stands):
             away = np.maximum(np.maximum(start - at, at - stop + 1), 0)
             x = np.minimum(away / frames, 1.0)
-            column *= x * x * (3.0 - 2.0 * x)
+            column *= smoothstep(x)
     return free
 
 

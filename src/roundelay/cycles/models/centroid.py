@@ -11,9 +11,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import ROUNDING
 from roundelay.cycles.continuity import followed_poses
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.models.regression import fit_cycle
+from roundelay.cycles.thresholds import CENTROID
 from roundelay.geometry import rotations as rot
 from roundelay.motion.motion import Motion
 from roundelay.phase.harmonic import HarmonicCurve, highest_harmonic
@@ -42,8 +44,8 @@ def centroid_cycle(
     cycle: Cycle,
     motion: Motion,
     *,
-    samples: int = 500,
-    neighbours: int = 10,
+    samples: int | None = None,
+    neighbours: int | None = None,
     gaussian: bool = False,
 ) -> Cycle:
     """Replace the poses of a cycle by centroids of the capture's nearest poses in phase.
@@ -62,8 +64,8 @@ def centroid_cycle(
         Found in the capture, with its evidence.
     motion : Motion
         The capture.
-    samples, neighbours : int
-        500 and 10 in [A] 6.1.
+    samples, neighbours : int, optional
+        500 and 10 by default, as in [A] 6.1.
     gaussian : bool
         Weigh neighbours by a Gaussian of their distance in phase instead of equally.
 
@@ -79,6 +81,8 @@ def centroid_cycle(
     """
     if cycle.evidence is None:
         raise ValueError("expected a cycle found in a capture, with its evidence")
+    samples = CENTROID.samples if samples is None else samples
+    neighbours = CENTROID.neighbours if neighbours is None else neighbours
     frames = np.concatenate([np.arange(*run) for run in cycle.evidence.runs])
     if not 1 <= neighbours <= len(frames):
         raise ValueError(f"expected 1 to {len(frames)} neighbours, found {neighbours}")
@@ -104,6 +108,6 @@ def _centroid(local: Array, theta: Array, place: float, neighbours: int, gaussia
     nearest = np.argpartition(apart, neighbours - 1)[:neighbours]
     weights = None
     if gaussian:
-        width = max(float(apart[nearest].max()) / 2.0, 1e-9)
+        width = max(float(apart[nearest].max()) / 2.0, ROUNDING)
         weights = np.exp(-0.5 * (apart[nearest] / width) ** 2)
     return rot.mean(local[nearest], weights)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
+from roundelay.base.numeric import SMALLEST, TINY
 from roundelay.base.spans import Span
 from roundelay.phase.harmonic import HarmonicCurve, design_matrix
 
@@ -208,9 +209,9 @@ def _group_weights(designs: list[Array], targets: list[Array]) -> Array:
         residual = target - used @ np.linalg.lstsq(used, target, rcond=None)[0]
         freedom = max(len(target) - used.shape[1], 1)
         variances.append(np.sum(residual**2, axis=0) / freedom)
-    position, *others = np.maximum(variances, 1e-300)
+    position, *others = np.maximum(variances, SMALLEST)
     # A joint that never moves has no errors to weigh.
-    still = np.ptp(targets[0], axis=0) < 1e-12
+    still = np.ptp(targets[0], axis=0) < TINY
     return np.array([np.ones_like(position)] + [np.where(still, 0.0, position / v) for v in others])
 
 

@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.spans import Span
+from roundelay.base.threads import one_thread
 from roundelay.cycles.continuity import Followed, fit_poses, followed_poses
 from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.thresholds import CYCLE
 from roundelay.motion.motion import Motion
 from roundelay.phase.harmonic import (
     HarmonicCurve,
@@ -25,10 +27,6 @@ __all__ = ["Harmonic", "fit_cycle"]
 
 Array = NDArray[np.float64]
 
-# A cycle climbs if it gains more than this share of the body's size a period (stairs, ladders);
-# less is the drift of a capture's floor.
-_CLIMB = 0.05
-
 
 class Harmonic:
     """The default model: harmonic regression of quaternions."""
@@ -41,6 +39,7 @@ class Harmonic:
         return fit_cycle(motion, phase, runs, harmonics=count, evidence=evidence)
 
 
+@one_thread
 def fit_cycle(
     motion: Motion,
     turns: Array,
@@ -103,7 +102,7 @@ def _fit_path(
 ) -> tuple[HarmonicCurve, HarmonicCurve]:
     """Fit the root's velocity by phase, in the drifting heading, and its height."""
     pairs = np.concatenate([np.arange(start, stop - 1) for start, stop in runs])
-    advance = np.maximum(turns[pairs + 1] - turns[pairs], 1e-6)
+    advance = np.maximum(turns[pairs + 1] - turns[pairs], CYCLE.advance)
     middle = 0.5 * (turns[pairs] + turns[pairs + 1])
     # Weights by advance make the mean velocity the displacement over the turns made.
     weight = 0.5 * (weights[pairs] + weights[pairs + 1]) * advance
@@ -113,7 +112,7 @@ def _fit_path(
     kept = np.flatnonzero(weights)
     height = motion.root_path[kept, motion.up]
     keep_vertical = np.ones(3)
-    if abs(velocity.constant[motion.up]) > _CLIMB * motion.skeleton.size:
+    if abs(velocity.constant[motion.up]) > CYCLE.climbs * motion.skeleton.size:
         height = np.full(len(kept), float(np.mean(height)))
     else:
         keep_vertical[motion.up] = 0.0

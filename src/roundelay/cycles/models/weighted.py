@@ -25,11 +25,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import ROUNDING
 from roundelay.base.spans import Span
 from roundelay.cycles.continuity import Followed, followed_poses
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.models.constrained import Fit, Model, fit_model
 from roundelay.cycles.models.regression import fit_cycle
+from roundelay.cycles.thresholds import WEIGHTED
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
@@ -41,12 +43,6 @@ from roundelay.timeline.options import Options
 __all__ = ["Paper", "paper_cycle"]
 
 Array = NDArray[np.float64]
-
-# K of [C]'s tables.
-_HARMONICS = 20
-# Cosine of the half of 323 degrees: beyond, the direction of a rotation vector is ill determined.
-_FARTHEST = -0.95
-_TINY = 1e-9
 
 
 class Paper:
@@ -98,7 +94,7 @@ def paper_cycle(
         raise ValueError("expected a cycle found in a capture, with its evidence")
     motion, runs, period = motion.with_root_motion(), cycle.evidence.runs, cycle.period * cycle.fps
     if harmonics is None:
-        harmonics = min(_HARMONICS, max(1, (int(period) - 1) // 2))
+        harmonics = min(WEIGHTED.harmonics, max(1, (int(period) - 1) // 2))
     model = Model(harmonics, velocity=velocity, acceleration=acceleration)
     phase = _ranked(cycle.evidence)
     poses = followed_poses(motion, phase, runs, harmonics)
@@ -169,7 +165,7 @@ def _centre(cycle: Cycle, poses: Followed, inside: NDArray[np.intp]) -> _Centre:
     mean = rot.mean(local)
     frequency, sine = np.zeros(len(mean)), np.zeros_like(mean)
     cosine = np.einsum("njq,jq->nj", local, mean)
-    around = poses.odd | ((cosine * _sign(cosine.sum(axis=0))).min(axis=0) < _FARTHEST)
+    around = poses.odd | ((cosine * _sign(cosine.sum(axis=0))).min(axis=0) < WEIGHTED.farthest)
     for joint in np.flatnonzero(around & ~poses.jumps):
         frequency[joint], mean[joint], sine[joint] = _steady_turn(cycle, joint)
     return _Centre(frequency, mean, sine)
@@ -200,7 +196,7 @@ def _angles(centre: Array, poses: Followed, inside: NDArray[np.intp], skeleton: 
     apart = rot.multiply(rot.conjugate(centre), poses.local[inside])
     cosine = apart[..., 0]
     apart *= np.where(poses.jumps, _sign(cosine), _sign(cosine.sum(axis=0)))[..., None]
-    far = np.flatnonzero(apart[..., 0].min(axis=0) < _FARTHEST)
+    far = np.flatnonzero(apart[..., 0].min(axis=0) < WEIGHTED.farthest)
     if len(far):
         names = ", ".join(skeleton.names[joint] for joint in far)
         raise ValueError(
@@ -209,7 +205,9 @@ def _angles(centre: Array, poses: Followed, inside: NDArray[np.intp], skeleton: 
         )
     length = np.linalg.norm(apart[..., 1:], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(length, apart[..., :1])
-    vectors = apart[..., 1:] * np.where(length > _TINY, angle / np.maximum(length, _TINY), 2.0)
+    vectors = apart[..., 1:] * np.where(
+        length > ROUNDING, angle / np.maximum(length, ROUNDING), 2.0
+    )
     return vectors.reshape(len(inside), -1)
 
 

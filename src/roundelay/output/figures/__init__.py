@@ -1,8 +1,8 @@
 """Pictures of results, with Matplotlib, which is imported only when one is drawn.
 
 Each is made from a result: a `Barcode`, an `Evidence`, a `Cycle`, a `Segmentation`, a `Motion`.
-Those that take ``axes`` draw into the caller's figure; the others return a figure of their own
-for `save`, which writes PNG, SVG or PDF by the suffix.
+Those that take ``axes`` draw there, or on axes of their own without, and return them; the others
+return a figure. `save` writes figures, also ``axes.figure``, as PNG, SVG or PDF by the suffix.
 """
 
 from roundelay.output.figures.excitation import excitations

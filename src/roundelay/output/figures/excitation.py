@@ -40,9 +40,8 @@ def excitations(motion: Motion, found: Excitations, *, start: int = 0) -> Figure
     grid = figure.add_gridspec(rows, 2, width_ratios=(1.0, 2.6))
     colours = phase_colours(rows)
     numbers = [one.coordinate.class_index for one in found.classes]
-    barcode(
-        figure.add_subplot(grid[:, 0]), found.barcode, dict(zip(numbers, colours, strict=False))
-    )
+    shown = dict(zip(numbers, colours, strict=False))
+    barcode(found.barcode, shown, axes=figure.add_subplot(grid[:, 0]))
     for row, one in enumerate(found.classes):
         _coordinate(figure.add_subplot(grid[row, 1]), motion, one, start, colours[row])
     for axes in figure.axes[1:-1]:

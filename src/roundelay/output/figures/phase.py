@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from roundelay.motion.motion import Motion
 from roundelay.output.figures.palette import ACCENT, INK, PALE
-from roundelay.output.figures.style import dress, new_figure, phase_look
+from roundelay.output.figures.style import dress, given_or_new, new_figure, phase_look
 from roundelay.phase.mixture import fit_circular_mixture
 from roundelay.phase.period import line_period
 from roundelay.phase.phase_map import phase_map, rank_remap
@@ -18,7 +18,6 @@ from roundelay.timeline.evidence import Evidence
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.projections.polar import PolarAxes
 
 __all__ = ["circle_density", "density", "period_line", "remaps"]
 
@@ -27,8 +26,9 @@ Array = NDArray[np.float64]
 _GRID = np.linspace(0.0, 1.0, 401)
 
 
-def density(axes: Axes, evidence: Evidence) -> None:
+def density(evidence: Evidence, *, axes: Axes | None = None) -> Axes:
     """Draw the coordinate's histogram and its mixture density ([A] fig. 3, [C] fig. 3.6)."""
+    axes = given_or_new(axes)
     phase = _phases(evidence)
     axes.hist(
         phase,
@@ -42,10 +42,12 @@ def density(axes: Axes, evidence: Evidence) -> None:
     dress(axes, "density of the circular coordinate", x="coordinate (turns)", y="density")
     axes.set_xlim(0.0, 1.0)
     axes.legend(frameon=False, fontsize=9)
+    return axes
 
 
-def circle_density(axes: PolarAxes, evidence: Evidence) -> None:
+def circle_density(evidence: Evidence, *, axes: Axes | None = None) -> Axes:
     """Draw the same around the circle, on polar axes."""
+    axes = given_or_new(axes, projection="polar")
     phase = _phases(evidence)
     height = fit_circular_mixture(phase).density(_GRID)
     angle = 2 * np.pi * _GRID
@@ -56,6 +58,7 @@ def circle_density(axes: PolarAxes, evidence: Evidence) -> None:
     axes.set_ylim(0.0, 1.55)
     axes.set_axis_off()
     axes.set_title("density around the circle", fontsize=10.5)
+    return axes
 
 
 def _phases(evidence: Evidence) -> Array:
@@ -93,8 +96,9 @@ def remaps(motion: Motion, evidence: Evidence) -> Figure:
     return figure
 
 
-def period_line(axes: Axes, evidence: Evidence, motion: Motion) -> None:
+def period_line(evidence: Evidence, motion: Motion, *, axes: Axes | None = None) -> Axes:
     """Draw the unwrapped time phase with a line of the period through each part ([C] fig. 3.7)."""
+    axes = given_or_new(axes)
     mapping = phase_map(evidence.turns, evidence.runs)
     phase = np.where(np.isfinite(evidence.turns), mapping(np.nan_to_num(evidence.turns)), np.nan)
     period = line_period(phase, evidence.runs)
@@ -107,3 +111,4 @@ def period_line(axes: Axes, evidence: Evidence, motion: Motion) -> None:
         axes.plot(seconds, line, color=INK, lw=1)
     title = f"period {period * motion.frame_time:.2f} s ({period:.1f} frames)"
     dress(axes, title, x="time (s)", y="periods")
+    return axes

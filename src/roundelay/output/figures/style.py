@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.colors import ListedColormap
     from matplotlib.figure import Figure
 
-__all__ = ["dress", "new_figure", "phase_look", "save"]
+__all__ = ["dress", "given_or_new", "new_figure", "phase_look", "save"]
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -25,6 +25,13 @@ def new_figure(width: float, height: float) -> Figure:
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def given_or_new(axes: Axes | None, *, projection: str | None = None) -> Axes:
+    """Return the caller's axes, or without them those of a new figure, ``axes.figure``."""
+    if axes is None:
+        return new_figure(6.0, 4.5).add_subplot(projection=projection)
+    return axes
 
 
 def dress(axes: Axes, title: str = "", *, x: str = "", y: str = "") -> None:

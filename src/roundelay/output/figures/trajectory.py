@@ -14,7 +14,7 @@ from roundelay.loops.quality import jerk
 from roundelay.motion.motion import Motion
 from roundelay.output.figures.overview import in_plane
 from roundelay.output.figures.palette import ACCENT, INK, PALE, phase_colours
-from roundelay.output.figures.style import dress, new_figure
+from roundelay.output.figures.style import dress, given_or_new, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -121,7 +121,9 @@ def _offset(shown: Motion, loop: Motion, frames: int) -> int:
     return min(range(frames), key=apart)
 
 
-def typical_trajectory(axes: Axes, cycle: Cycle, motion: Motion, *, phase: float = 0.12) -> None:
+def typical_trajectory(
+    cycle: Cycle, motion: Motion, *, phase: float = 0.12, axes: Axes | None = None
+) -> Axes:
     """Draw the ten poses nearest to a coordinate, and the curve of poses ([A] fig. 4).
 
     Raises
@@ -131,6 +133,7 @@ def typical_trajectory(axes: Axes, cycle: Cycle, motion: Motion, *, phase: float
     """
     if cycle.evidence is None:
         raise ValueError("expected a cycle found in a capture, with its evidence")
+    axes = given_or_new(axes)
     seen, curve, frames = in_plane(cycle, motion.with_root_motion())
     away = np.abs((cycle.evidence.turns[frames] - phase + 0.5) % 1.0 - 0.5)
     near = frames[np.argsort(away)[:10]]
@@ -141,3 +144,4 @@ def typical_trajectory(axes: Axes, cycle: Cycle, motion: Motion, *, phase: float
     axes.set_aspect("equal", adjustable="datalim")
     axes.legend(frameon=False, fontsize=9)
     dress(axes, "typical trajectory, principal components 1 and 2")
+    return axes

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from roundelay.base.errors import NoPeriod
+from roundelay.base.threads import one_thread
 from roundelay.base.version import __version__
 from roundelay.cycles.cycle import Cycle
 from roundelay.motion.motion import Motion
@@ -20,6 +21,7 @@ from roundelay.segmentation.result import Segmentation
 __all__ = ["build_page"]
 
 
+@one_thread
 def build_page(
     motion: Motion,
     cycles: Sequence[Cycle] = (),

@@ -7,11 +7,9 @@ from collections.abc import Iterator
 from roundelay.base.spans import Spans
 from roundelay.timeline.proposals.proposal import Proposal
 from roundelay.timeline.search import Search
+from roundelay.timeline.thresholds import CLOSED
 
 __all__ = ["Closed"]
-
-# A longer capture that ends as it began is a take, not a loop, in seconds.
-_LONGEST = 10.0
 
 
 class Closed:
@@ -21,5 +19,5 @@ class Closed:
 
     def propose(self, search: Search) -> Iterator[Proposal]:
         """Propose the span that is looked at."""
-        if search.n_frames <= _LONGEST * search.fps:
+        if search.n_frames <= CLOSED.longest * search.fps:
             yield Proposal(Spans([search.span]), float(search.n_frames), closed=True)

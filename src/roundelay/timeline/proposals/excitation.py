@@ -14,10 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
 from roundelay.base.spans import Spans
+from roundelay.base.threads import one_thread
 from roundelay.motion.poses import with_velocity
 from roundelay.phase.unwrap import unwrap
 from roundelay.timeline.cloud import variance_normalised
 from roundelay.timeline.options import PoseMetric
+from roundelay.timeline.thresholds import EXCITATION
 from roundelay.topology.coordinate import CircularCoordinate, circular_coordinate
 from roundelay.topology.distances import FEWEST_POINTS
 from roundelay.topology.landmarks import Landmarks, choose_landmarks
@@ -27,16 +29,6 @@ from roundelay.topology.significance import p_values
 __all__ = ["Excitation", "Excitations", "Region", "excitations", "regions_of"]
 
 Array = NDArray[np.float64]
-
-_LANDMARKS = 500
-# A capture is thinned to this many frames, but to no fewer a second than the next number.
-_FRAMES, _RATE = 1000, 24.0
-# Largest corrected p-value of a class that counts.
-_LEVEL = 0.05
-# Regions hold this share of a coordinate's variation; each at least so many turns.
-_SHARE, _LEAST = 0.8, 0.3
-# Seconds over which variation is averaged: shorter rests do not divide a region.
-_WINDOW = 0.5
 
 
 @dataclass(frozen=True)
@@ -95,6 +87,7 @@ class Excitations:
     classes: tuple[Excitation, ...]
 
 
+@one_thread
 def excitations(
     points: ArrayLike,
     fps: float,
@@ -112,7 +105,7 @@ def excitations(
     Parameters
     ----------
     points : (F, d) array_like
-        One pose a frame, as from `roundelay.motion.poses.point_cloud`.
+        One pose a frame, as from `roundelay.point_cloud`.
     fps : float
         Frames a second.
     metric : {"euclidean", "variance", "adjacent"}
@@ -141,13 +134,13 @@ def excitations(
     """
     x = np.asarray(points, float)
     _check(x, fps, metric, period, classes)
-    step = max(1, min(-(-len(x) // _FRAMES), round(fps / _RATE)))
+    step = max(1, min(-(-len(x) // EXCITATION.frames), round(fps / EXCITATION.rate)))
     cloud = _cloud(x, metric, period * fps)[::step]
-    landmarks = choose_landmarks(cloud, count=_LANDMARKS, method="greedy")
+    landmarks = choose_landmarks(cloud, count=EXCITATION.landmarks, method="greedy")
     barcode = _barcode(landmarks, metric, prime)
     chances = p_values(barcode)
     order = np.lexsort((np.arange(len(chances)), chances))
-    chosen = order[chances[order] <= _LEVEL] if classes is None else order[:classes]
+    chosen = order[chances[order] <= EXCITATION.level] if classes is None else order[:classes]
     coordinates = [
         circular_coordinate(barcode, k=k, runs=[(0, len(cloud))], landmarks=landmarks)
         for k in chosen.tolist()
@@ -228,16 +221,16 @@ def regions_of(turns: ArrayLike, fps: float) -> tuple[Region, ...]:
     """
     x = np.asarray(turns, float)
     moved = np.diff(x, prepend=x[0])
-    reach = min(max(1, round(0.5 * _WINDOW * fps)), (len(x) - 1) // 2)
+    reach = min(max(1, round(0.5 * EXCITATION.window * fps)), (len(x) - 1) // 2)
     rate = np.convolve(np.abs(moved), np.ones(2 * reach + 1), mode="same")
     falling = np.sort(rate)[::-1]
     held = np.cumsum(falling)
     if held[-1] <= 0.0:
         return ()
-    # Half of that, so that a region with some slower frames stays one.
-    least = 0.5 * falling[np.searchsorted(held, _SHARE * held[-1])]
+    # A share of that, so that a region with some slower frames stays one.
+    least = EXCITATION.slower * falling[np.searchsorted(held, EXCITATION.share * held[-1])]
     found = [
         Region(a, b, float(moved[a:b].sum()), float(np.abs(moved[a:b]).sum()))
         for a, b in Spans.of_mask(rate >= least)
     ]
-    return tuple(region for region in found if region.total >= _LEAST)
+    return tuple(region for region in found if region.total >= EXCITATION.least)

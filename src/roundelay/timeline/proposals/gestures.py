@@ -14,19 +14,9 @@ from roundelay.base.spans import Span, Spans
 from roundelay.timeline.proposals.excitation import Excitation, excitations
 from roundelay.timeline.proposals.proposal import Proposal
 from roundelay.timeline.search import Search
+from roundelay.timeline.thresholds import GESTURES
 
 __all__ = ["Gestures", "gesture_runs", "turn_time"]
-
-# A region shows the gesture if its coordinate makes at least so much of a turn.
-_WHOLE = 0.75
-# Shares of a turn's time: added at both ends of a region; a gap that is none.
-_MARGIN, _GAP = 0.1, 0.25
-# A class is another gesture if this share of its frames, at least, is in no earlier one.
-_NEW = 0.5
-# Frames a second looked at.
-_RATE = 60.0
-# Fewest occurrences of a gesture that is proposed without being asked for.
-_OFTEN = 3
 
 
 class Gestures:
@@ -46,7 +36,7 @@ class Gestures:
         NoPeriod
             If a class lifts to no integer cocycle.
         """
-        fewest = 1 if search.options.gestures else _OFTEN
+        fewest = 1 if search.options.gestures else GESTURES.often
         points, prime = search.points[slice(*search.span)], search.options.topology.prime
         try:
             classes = excitations(points, search.fps, prime=prime).classes
@@ -55,7 +45,7 @@ class Gestures:
         for excited in classes:
             runs = gesture_runs(excited, search.span)
             if len(runs) >= fewest:
-                yield Proposal(runs, turn_time(excited), fresh=_NEW, rate=_RATE)
+                yield Proposal(runs, turn_time(excited), fresh=GESTURES.new, rate=GESTURES.rate)
 
 
 def gesture_runs(excited: Excitation, span: Span) -> Spans:
@@ -73,13 +63,13 @@ def gesture_runs(excited: Excitation, span: Span) -> Spans:
         Frames of the capture; regions with hardly a gap between are one.
     """
     (first, last), turn, runs = span, turn_time(excited), list[Span]()
-    margin = round(_MARGIN * turn)
+    margin = round(GESTURES.margin * turn)
     for region in excited.regions:
-        if region.net < _WHOLE:
+        if region.net < GESTURES.whole:
             continue
         start = max(first, first + region.start - margin)
         stop = min(last, first + region.stop + margin)
-        if runs and start - runs[-1][1] < _GAP * turn:
+        if runs and start - runs[-1][1] < GESTURES.gap * turn:
             start = runs.pop()[0]
         runs.append((start, stop))
     return Spans(runs)
@@ -87,6 +77,6 @@ def gesture_runs(excited: Excitation, span: Span) -> Spans:
 
 def turn_time(excited: Excitation) -> float:
     """Mean time of a turn in the regions that make whole ones, in frames."""
-    whole = [region for region in excited.regions if region.net >= _WHOLE]
+    whole = [region for region in excited.regions if region.net >= GESTURES.whole]
     turns = sum(region.net for region in whole)
-    return sum(region.stop - region.start for region in whole) / max(turns, _WHOLE)
+    return sum(region.stop - region.start for region in whole) / max(turns, GESTURES.whole)

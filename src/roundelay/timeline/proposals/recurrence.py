@@ -16,30 +16,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.numeric import TINY
 from roundelay.base.spans import Spans
 from roundelay.motion.poses import lag_distances, with_velocity
 from roundelay.timeline.proposals.proposal import Proposal
 from roundelay.timeline.search import Search
+from roundelay.timeline.thresholds import RECURRENCE
 
 __all__ = ["Part", "Recurrence", "candidate_parts", "recurring_groups"]
 
 Array = NDArray[np.float64]
-
-# A pose counts as back when its squared distance is below this share of the largest squared
-# distance met on the way: about a third of the loop's width.
-_RETURNED = 0.2
-# Seconds over which poses are compared, to either side of a frame: long enough to tell a leg
-# going forward from one going back, short against the fastest cycles (.3 s).
-_WINDOW = 0.1
-# Lags of one motion stay within this factor of their median.
-_DRIFT = 1.6
-# Two parts show one motion if typical poses of each, velocities included, come this near to
-# poses of the other, squared and over the width of the loop.
-_ALIKE = 0.1
-# A part must repeat this much of its period, measured along the path of poses.
-_LEAST_REPEAT = 0.2
-# Where some limbs alone decide, their loop must stand out this much from the next.
-_PROMINENT_LIMBS = 4.0
 
 
 @dataclass(frozen=True)
@@ -67,7 +53,7 @@ class Part:
     @property
     def score(self) -> float:
         """How much of the motion recurs, and how well: for choosing among rivals."""
-        return (self.repeats - 1.0) * (1.0 - self.distance / _RETURNED)
+        return (self.repeats - 1.0) * (1.0 - self.distance / RECURRENCE.returned)
 
     def spread(self, step: int, first: int, last: int) -> Part:
         """Express a part of every step-th frame from `first` on in all frames up to `last`."""
@@ -112,13 +98,11 @@ class Recurrence:
     def _proposal(self, group: list[Part]) -> Proposal:
         runs = Spans.union((part.start, part.stop) for part in group)
         period = float(np.median([part.period for part in group]))
-        least = _PROMINENT_LIMBS if self._limbs else 0.0
+        least = RECURRENCE.prominent_limbs if self._limbs else 0.0
         return Proposal(runs, period, self._limbs, least)
 
 
-def candidate_parts(
-    points: ArrayLike, fps: float, *, longest: float = 10.0, shortest: float = 0.25
-) -> list[Part]:
+def candidate_parts(points: ArrayLike, fps: float) -> list[Part]:
     """Find stretches in which poses recur, without overlap, best first.
 
     Parameters
@@ -127,21 +111,19 @@ def candidate_parts(
         One point a frame, as from `roundelay.motion.poses.point_cloud`.
     fps : float
         Frames a second.
-    longest, shortest : float
-        Limits of the period, in seconds.
 
     Returns
     -------
     list of Part
     """
     x = np.asarray(points, float)
-    reach = min(len(x) - 2, round(longest * fps))
+    reach = min(len(x) - 2, round(RECURRENCE.longest * fps))
     if reach < 3:
         return []
     apart = lag_distances(x, reach)
-    ratio = _return_ratio(_averaged(apart, round(_WINDOW * fps)))
+    ratio = _return_ratio(_averaged(apart, round(RECURRENCE.window * fps)))
     arc = np.concatenate([[0.0], np.cumsum(np.sqrt(apart[:-1, 1]))])
-    linked = _link(_valleys(ratio, max(2, int(shortest * fps))))
+    linked = _link(_valleys(ratio, max(2, int(RECURRENCE.shortest * fps))))
     tracks = [steady for track in linked for steady in _steady_stretches(track)]
     parts = [_part(track, ratio, arc) for track in tracks]
     return _choose([part for part in parts if _credible(part)])
@@ -179,13 +161,15 @@ def _valleys(ratio: Array, shortest: int) -> list[NDArray[np.intp]]:
     """List for every frame the lags at which its pose has come back."""
     low = np.zeros(ratio.shape, bool)
     middle = ratio[:, 1:-1]
-    low[:, 1:-1] = (middle <= ratio[:, :-2]) & (middle <= ratio[:, 2:]) & (middle < _RETURNED)
+    low[:, 1:-1] = (
+        (middle <= ratio[:, :-2]) & (middle <= ratio[:, 2:]) & (middle < RECURRENCE.returned)
+    )
     low[:, :shortest] = False
     rows, lags = np.nonzero(low)
     return np.split(lags, np.searchsorted(rows, np.arange(1, len(ratio))))
 
 
-def _link(valleys: list[NDArray[np.intp]], jump: int = 2, gap: int = 3) -> list[NDArray[np.intp]]:
+def _link(valleys: list[NDArray[np.intp]]) -> list[NDArray[np.intp]]:
     """Chain valleys of neighbouring frames whose lags are near into tracks (frame, lag)."""
     finished: list[list[tuple[int, int]]] = []
     live: list[list[tuple[int, int]]] = []
@@ -193,27 +177,29 @@ def _link(valleys: list[NDArray[np.intp]], jump: int = 2, gap: int = 3) -> list[
         free, kept = set(lags.tolist()), []
         for track in live:
             last_frame, last_lag = track[-1]
-            near = [t for t in free if abs(t - last_lag) <= jump * (frame - last_frame)]
+            reach = RECURRENCE.jump * (frame - last_frame)
+            near = [t for t in free if abs(t - last_lag) <= reach]
             if near:
                 lag = min(near, key=lambda t: abs(t - last_lag))
                 free.discard(lag)
                 track.append((frame, lag))
                 kept.append(track)
             else:
-                (kept if frame - last_frame <= gap else finished).append(track)
+                (kept if frame - last_frame <= RECURRENCE.gap else finished).append(track)
         live = kept + [[(frame, lag)] for lag in sorted(free)]
-    return [np.array(track) for track in finished + live if len(track) >= 3]
+    return [np.array(track) for track in finished + live if len(track) >= RECURRENCE.fewest]
 
 
 def _steady_stretches(track: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """Split a track where its lag leaves what is typical of it: there it changed its motion."""
     lags = track[:, 1]
     typical = np.median(lags)
-    within = (lags > typical / _DRIFT) & (lags < typical * _DRIFT)
+    within = (lags > typical / RECURRENCE.drift) & (lags < typical * RECURRENCE.drift)
     if within.all():
         return [track]
     pieces = np.split(track, np.flatnonzero(np.diff(within)) + 1)
-    return [steady for piece in pieces if len(piece) >= 3 for steady in _steady_stretches(piece)]
+    long = [piece for piece in pieces if len(piece) >= RECURRENCE.fewest]
+    return [steady for piece in long for steady in _steady_stretches(piece)]
 
 
 def _part(track: NDArray[np.intp], ratio: Array, arc: Array) -> Part:
@@ -223,7 +209,7 @@ def _part(track: NDArray[np.intp], ratio: Array, arc: Array) -> Part:
         start=int(frames[0]),
         stop=int(frames[-1] + lags[-1]) + 1,
         period=float(np.median(lags)),
-        repeats=1.0 + float(arc[frames[-1]] - arc[frames[0]]) / max(loop, 1e-12),
+        repeats=1.0 + float(arc[frames[-1]] - arc[frames[0]]) / max(loop, TINY),
         distance=float(ratio[frames, lags].mean()),
     )
 
@@ -231,7 +217,8 @@ def _part(track: NDArray[np.intp], ratio: Array, arc: Array) -> Part:
 def _credible(part: Part) -> bool:
     """Ask for closer returns where fewer were seen."""
     repeated = part.repeats - 1.0
-    return repeated >= _LEAST_REPEAT and part.distance <= min(_RETURNED, 0.05 + 0.15 * repeated)
+    near = min(RECURRENCE.returned, RECURRENCE.close + RECURRENCE.closeness * repeated)
+    return repeated >= RECURRENCE.least_repeat and part.distance <= near
 
 
 def _choose(parts: list[Part]) -> list[Part]:
@@ -276,7 +263,7 @@ def _alike(points: Array, group: list[Part], part: Part) -> bool:
     for other in group:
         pieces = (start, min(stop, other.start)), (max(start, other.stop), stop)
         start, stop = max(pieces, key=lambda piece: piece[1] - piece[0])
-    if stop - start < 0.25 * part.period:
+    if stop - start < RECURRENCE.overlap * part.period:
         return True
     return any(_near(points, other, part, (start, stop)) for other in group)
 
@@ -284,18 +271,18 @@ def _alike(points: Array, group: list[Part], part: Part) -> bool:
 def _near(points: Array, first: Part, second: Part, own: tuple[int, int]) -> bool:
     """Tell whether typical poses of each are near to poses of the other."""
     period = 0.5 * (first.period + second.period)
-    if abs(first.period - second.period) > 0.67 * period:
+    if abs(first.period - second.period) > RECURRENCE.alike_period * period:
         return False
     clouds = [with_velocity(points, [run], period) for run in ((first.start, first.stop), own)]
-    a, b = (cloud[:: max(1, len(cloud) // 200)] for cloud in clouds)
+    a, b = (cloud[:: max(1, len(cloud) // RECURRENCE.compared)] for cloud in clouds)
     apart = _squared(a, b)
     pairs = ((a, apart.min(axis=1)), (b, apart.min(axis=0)))
-    return all(np.median(nearest) < _ALIKE * _width(cloud) for cloud, nearest in pairs)
+    return all(np.median(nearest) < RECURRENCE.alike * _width(cloud) for cloud, nearest in pairs)
 
 
 def _width(cloud: Array) -> float:
     """Return the largest squared distance within a cloud; a little more than 0."""
-    return max(float(_squared(cloud, cloud).max()), 1e-12)
+    return max(float(_squared(cloud, cloud).max()), TINY)
 
 
 def _squared(a: Array, b: Array) -> Array:

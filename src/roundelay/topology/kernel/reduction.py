@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.brief import brief
+from roundelay.base.numeric import GOLDEN
+
 __all__ = [
     "F32",
     "F64",
@@ -17,6 +20,10 @@ __all__ = [
     "U64",
     "Columns",
     "Reduction",
+    "bit_labels",
+    "count_shorter",
+    "count_up_to",
+    "ends",
     "lengths_of",
     "narrow_ends",
 ]
@@ -50,6 +57,8 @@ class Columns:
     index: I32
     value: I64
     time: F32
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True)
@@ -87,6 +96,8 @@ class Reduction:
     relations: Columns
     reduced: Columns
 
+    __repr__ = brief
+
 
 def lengths_of(keys: U64) -> F32:
     """Return the lengths that edge keys carry."""
@@ -107,7 +118,8 @@ def narrow_ends(keys: U64) -> tuple[U16, U16]:
 
 def count_shorter(keys: U64, length: float) -> int:
     """Count the edges strictly shorter than a length; keys ascending."""
-    floor = int(np.float32(length).view(np.uint32)) << 32
+    # The bits of floats are in the order of the floats from 0 on only, and -0.0 is none of them.
+    floor = int(np.float32(max(0.0, length)).view(np.uint32)) << 32
     return int(np.searchsorted(keys, np.uint64(floor)))
 
 
@@ -121,7 +133,7 @@ def bit_labels(n: int) -> U16:
 
     Steps of the golden section; the first vertices by number are spread evenly over time.
     """
-    turns = np.arange(n) * ((np.sqrt(5.0) - 1.0) / 2.0) % 1.0
+    turns = np.arange(n) * GOLDEN % 1.0
     label = np.empty(n, np.uint16)
     label[np.argsort(turns, kind="stable")] = np.arange(n, dtype=np.uint16)
     return label

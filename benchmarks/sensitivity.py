@@ -1,0 +1,391 @@
+"""Sensitivity: what changes if a constant that decides a result is a fifth smaller or larger.
+
+Usage: python -m benchmarks.sensitivity --data FOLDER [--json] [--only NAME ...] [--captures 40]
+       [--jobs 2] [--keep]
+
+Every constant of `roundelay.base.thresholds.constants` is multiplied by .8 and by 1.2, one at a
+time; a whole number changes by 1 at least, and a share or a cosine that would pass 1 goes half of
+the way to it (a percentile to 100). Told is how many captures change in what they show (cycles
+or none), in the number of cycles or segments, in the period (by more than 1 %), in another figure
+(by more than 1 %; a cut by more than .25 s). Half of the captures are drawn evenly from the walks
+and runs of [C], half from those in FOLDER/truth; constants of segmentation are tried on the
+captures with labels, those of comparing cycles on the cycles of all captures, as a library, those
+of bodies and loops on the loops of every second capture.
+`--only` takes names and beginnings of names, `--keep` puts each result, as soon as it is there,
+into benchmarks/results/sensitivity.json.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import multiprocessing
+import os
+import time
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import roundelay as rl
+from benchmarks._harness import RESULTS, parser, report
+from benchmarks.raunio import TABLES, find_capture
+from benchmarks.segmentation_data import FULL, labelled
+from roundelay.base.thresholds import Constant, Value, constants, overridden
+from roundelay.compare.spectra import Spectra
+from roundelay.cycles.edit.align import align
+from roundelay.cycles.edit.separate import repaired, source_parts
+from roundelay.geometry.kinematics import vertical_axis
+from roundelay.library.groups import grouped
+from roundelay.library.store import Shelf
+from roundelay.loops.profiles import foot_contacts
+from roundelay.motion.features import point_cloud
+from roundelay.segmentation import segment_channels
+from roundelay.segmentation.gmm import GMMOptions
+from roundelay.segmentation.ppca import PPCAOptions
+from roundelay.timeline.options import Options
+from roundelay.topology import count_classes, persistent_cohomology, turns
+from roundelay.topology.toroidal import toroidal_coordinates
+
+LABELLED = {"_topology": "roundelay.topology, as a library"}
+FACTORS = {"x0.8": 0.8, "x1.2": 1.2}
+KINDS = ("fails", "shows", "number", "period", "figures")
+LONGEST = 3000
+"""Frames of the longest captures that are looked at: one constant should cost seconds."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What is told of a capture."""
+
+    number: int = 0
+    """Cycles, segments or classes."""
+    period: float = 0.0
+    figures: tuple[float, ...] = ()
+    slack: float = 1e-3
+    """Figures may differ by this without being another, besides 1 %."""
+    failed: str = ""
+
+    def changed(self, other: Outcome) -> str:
+        """Say what differs, the gravest; empty if nothing does."""
+        if other.failed != self.failed:
+            return "fails"
+        if bool(other.number) != bool(self.number):
+            return "shows"
+        if other.number != self.number:
+            return "number"
+        if not math.isclose(other.period, self.period, rel_tol=0.01):
+            return "period"
+        if len(other.figures) != len(self.figures) or not np.allclose(
+            other.figures, self.figures, rtol=0.01, atol=self.slack, equal_nan=True
+        ):
+            return "figures"
+        return ""
+
+
+def main() -> None:
+    asked = parser(__doc__, data="folder that holds cmu/, truth/")
+    asked.add_argument("--only", nargs="+", default=[""], help="names, or how they begin")
+    asked.add_argument("--captures", type=int, default=40, help="how many are drawn")
+    asked.add_argument("--jobs", type=int, default=2, help="processes")
+    arguments = asked.parse_args()
+    # Read by the processes that are started below, before they load NumPy.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    started = time.perf_counter()
+    names = [one.name for one in constants() if one.name.startswith(tuple(arguments.only))]
+    with ProcessPoolExecutor(
+        arguments.jobs,
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_load,
+        initargs=(arguments.data, arguments.captures),
+    ) as pool:
+        rows = list(pool.map(_varied, names))
+    table = list(map(_line, sorted(rows, key=lambda row: -row["changed"])))
+    # What is kept holds the rows of earlier runs, too.
+    rows = _with_earlier(rows) if arguments.keep else rows
+    seconds = round(time.perf_counter() - started, 1)
+    result = {"summary": _summary(rows), "seconds": seconds, "constants": rows}
+    report("sensitivity", result, (), arguments, table=table)
+
+
+def _line(row: dict[str, Any]) -> str:
+    said = (f"{name} {_said(row[name]):40s}" for name in FACTORS)
+    return f"{row['name']:36s} {row['value']!s:>12s}  {'  '.join(said)}"
+
+
+def _summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    return {
+        "constants": len(rows),
+        "changing_nothing": sum(row["changed"] == 0 for row in rows),
+        "changing_a_twentieth_at_most": sum(20 * row["changed"] <= row["captures"] for row in rows),
+        "changing_most": [row["name"] for row in sorted(rows, key=lambda row: -row["changed"])[:5]],
+    }
+
+
+def _said(changes: dict[str, int]) -> str:
+    return ", ".join(f"{kind} {count}" for kind, count in changes.items()) or "nothing"
+
+
+def _with_earlier(new: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Put rows among those kept before, in the order of the constants."""
+    kept = RESULTS / "sensitivity.json"
+    before = json.loads(kept.read_text())["constants"] if kept.exists() else []
+    rows = {row["name"]: row for row in [*before, *new]}
+    return [rows[one.name] for one in constants() if one.name in rows]
+
+
+# In the processes that measure --------------------------------------------------------------
+
+_MOTIONS: list[rl.Motion] = []
+_PLACE: list[Path] = []
+
+
+def _load(data: Path, count: int) -> None:
+    warnings.simplefilter("ignore")
+    _PLACE.append(data)
+    _MOTIONS.extend(_drawn(data, count))
+
+
+def _drawn(data: Path, count: int) -> Iterator[rl.Motion]:
+    """Read captures, half of [C]'s and half of those with truth, evenly from all there are."""
+    paths = sorted(path for end in ("bvh", "amc") for path in (data / "truth").rglob(f"*.{end}"))
+    truth = [path for path in paths if "single_behaviour" not in path.parts]
+    for name in _evenly(list(TABLES), count // 2):
+        yield find_capture(data, name)
+    for path in _evenly(truth, count - count // 2):
+        motion = rl.read(path)
+        if len(motion) <= LONGEST:
+            yield motion
+
+
+def _evenly(items: list[Any], count: int) -> list[Any]:
+    places = np.linspace(0, len(items) - 1, min(count, len(items))).astype(int)
+    return [items[place] for place in places]
+
+
+def _varied(name: str) -> dict[str, Any]:
+    """Change one constant down and up; count the captures that change."""
+    one = next(one for one in constants() if one.name == name)
+    probe = _probe(one)
+    before = _baseline(probe)
+    row: dict[str, Any] = {"name": name, "value": one.value, "captures": len(before)}
+    for label, factor in FACTORS.items():
+        with overridden(one, varied(one, factor)):
+            after = list(probe())
+        told = Counter(a.changed(b) for a, b in zip(before, after, strict=True))
+        row[label] = {kind: told[kind] for kind in KINDS if told[kind]}
+    row["changed"] = max(sum(row[label].values()) for label in FACTORS)
+    return row
+
+
+def varied(one: Constant, factor: float) -> Value:
+    """Return the value of a constant times a factor, as the head of this module tells."""
+    if isinstance(one.value, tuple):
+        return tuple(_scaled(value, factor, 1.0) for value in one.value)
+    return _scaled(one.value, factor, 100.0 if "percentile" in one.unit else 1.0)
+
+
+def _scaled(value: float, factor: float, limit: float) -> float:
+    scaled = value * factor
+    if abs(value) < limit <= abs(scaled):
+        scaled = 0.5 * (value + math.copysign(limit, value))
+    if isinstance(value, int):
+        nearest = round(scaled)
+        return max(1, max(value + 1, nearest) if factor > 1.0 else min(value - 1, nearest))
+    return scaled
+
+
+@cache
+def _baseline(probe: Callable[[], Iterable[Outcome]]) -> list[Outcome]:
+    return list(probe())
+
+
+def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
+    """Return what shows the influence of a constant."""
+    room, record, _ = one.name.split(".")
+    rooms = {"compare": _library, "segmentation": _gaussian, "geometry": _loops, "loops": _loops}
+    records = {
+        "segmentation.pca": _pca,
+        "segmentation.ppca": _ppca,
+        "segmentation.gmm": _gmm,
+        "geometry.upright": _upright,
+        "cycles.footlock": _loops,
+        "cycles.repair": _loops,
+        "cycles.centroid": _centroids,
+        "phase.mixture": _centroids,
+        "cycles.weighted": _weighted,
+        "cycles.alignment": _aligned,
+        "topology.significance": _classes,
+        "topology.lattice": _classes,
+    }
+    return records.get(f"{room}.{record}") or rooms.get(room) or _found
+
+
+def _guarded(work: Callable[[], Outcome]) -> Outcome:
+    try:
+        return work()
+    except rl.RoundelayError:
+        return Outcome()
+    except (ValueError, IndexError, np.linalg.LinAlgError) as error:
+        return Outcome(failed=type(error).__name__)
+
+
+def _found() -> Iterator[Outcome]:
+    return (_guarded(lambda m=motion: _cycle_of(m, Options())) for motion in _MOTIONS)
+
+
+def _centroids() -> Iterator[Outcome]:
+    options = Options(method="centroid")
+    return (_guarded(lambda m=motion: _cycle_of(m, options)) for motion in _MOTIONS)
+
+
+def _weighted() -> Iterator[Outcome]:
+    options = Options(method="paper")
+    return (_guarded(lambda m=motion: _cycle_of(m, options)) for motion in _MOTIONS)
+
+
+def _cycle_of(motion: rl.Motion, options: Options) -> Outcome:
+    cycles = rl.find_cycles(motion, options)
+    first = cycles[0]
+    pace = float(np.linalg.norm(first.pose(np.arange(32) / 32, derivative=1)))
+    travel = float(np.linalg.norm(first.travel)) / motion.skeleton.size
+    figures = (first.evidence.confidence, first.evidence.repetitions, pace, travel)
+    return Outcome(len(cycles), first.period, figures)
+
+
+def _loops() -> Iterator[Outcome]:
+    """Loops take longer: of every second capture."""
+    return (_guarded(lambda m=motion: _looped(m)) for motion in _MOTIONS[::2])
+
+
+def _looped(motion: rl.Motion) -> Outcome:
+    """Find, repair and measure, as a loop is made."""
+    cycles = rl.find_cycles(motion)
+    first = cycles[0]
+    mended, turns = repaired(first, source_parts(first, motion))
+    measured = rl.quality(mended, motion)
+    stands = foot_contacts(mended, motion.fps)
+    stood = sum(stop - start for spans in stands.values() for start, stop in spans)
+    figures = (
+        measured.template_error,
+        measured.loop_jerk,
+        measured.loop_skate,
+        measured.capture_velocity,
+        measured.coverage,
+        stood / (first.period * motion.fps),
+        float(len(stands)),
+        float(len(turns)),
+        *sorted(one.angle for one in turns),
+    )
+    return Outcome(len(cycles), first.period, figures)
+
+
+def _upright() -> Iterator[Outcome]:
+    for motion in _MOTIONS:
+        yield Outcome(1 + vertical_axis(motion.positions(), motion.skeleton.size))
+
+
+def _cycles() -> list[rl.Cycle]:
+    found = []
+    for motion in _MOTIONS:
+        try:
+            found.append(rl.find_cycles(motion)[0])
+        except rl.RoundelayError:
+            continue
+    return found
+
+
+@cache
+def _by_body() -> list[list[rl.Cycle]]:
+    bodies: dict[tuple[str, ...], list[rl.Cycle]] = {}
+    for cycle in _cycles():
+        bodies.setdefault(cycle.skeleton.names, []).append(cycle)
+    return [cycles for cycles in bodies.values() if len(cycles) > 1]
+
+
+def _library() -> Iterator[Outcome]:
+    """All cycles as one library: the group of each and how many share it."""
+    shelves, count = [], 0
+    for cycles in _by_body():
+        numbers = np.arange(count, count + len(cycles))
+        shelves.append(Shelf(numbers, Spectra.of(cycles)))
+        count += len(cycles)
+    labels, _ = grouped(shelves)
+    for label in labels:
+        yield Outcome(labels.count(label), 0.0, ())
+
+
+def _aligned() -> Iterator[Outcome]:
+    for first, *others in _by_body():
+        for other in others:
+            found = align(first, other, mirror=True)
+            yield Outcome(1, 0.0, (found.distance, found.offset, float(found.mirrored)))
+
+
+def _classes() -> Iterator[Outcome]:
+    return (_guarded(lambda m=motion: _topology(m)) for motion in _MOTIONS)
+
+
+def _topology(motion: rl.Motion) -> Outcome:
+    """Classes of a whole capture, the first two decorrelated."""
+    points = point_cloud(motion)[:: max(1, len(motion) // 300)]
+    barcode = persistent_cohomology(points)
+    try:
+        pair = toroidal_coordinates(barcode)
+    except ValueError:
+        # There are no two that live together.
+        pair = ()
+    figures = [value for one in pair for value in turns(one.phase, [(0, len(points))])]
+    return Outcome(1 + count_classes(barcode), 0.0, (*figures, *(one.scale for one in pair)))
+
+
+@cache
+def _labelled() -> tuple[list[Any], list[rl.Motion]]:
+    data = _PLACE[0]
+    motions = [rl.read(data / "cmu" / "acclaim" / n[:2] / f"{n}.amc") for n in FULL]
+    return labelled(data), motions
+
+
+def _gaussian() -> Iterator[Outcome]:
+    channels, motions = _labelled()
+    for motion in motions:
+        yield _cut(rl.segment(motion))
+        yield _cut(rl.segment(motion, n_segments=5))
+    for capture in channels:
+        yield _cut(segment_channels(capture.values, capture.fps))
+
+
+def _with(method: Any) -> Iterator[Outcome]:
+    """The methods of [B] take longer: three captures."""
+    for capture in _labelled()[0][1:4]:
+        found = segment_channels(capture.values, capture.fps, method=method)
+        yield _cut(found)
+
+
+def _pca() -> Iterator[Outcome]:
+    return _with("pca")
+
+
+def _ppca() -> Iterator[Outcome]:
+    yield from _with(PPCAOptions())
+    yield from _with(PPCAOptions.paper())
+
+
+def _gmm() -> Iterator[Outcome]:
+    return _with(GMMOptions())
+
+
+def _cut(found: rl.Segmentation) -> Outcome:
+    seconds = [segment.start * found.frame_time for segment in found.segments]
+    labels = [float(segment.label) for segment in found.segments]
+    return Outcome(len(found), 0.0, (*seconds, *labels), slack=0.25)
+
+
+if __name__ == "__main__":
+    main()

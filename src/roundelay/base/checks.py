@@ -1,0 +1,23 @@
+"""What is given at the door: checked there, so that no error comes from deep inside."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+__all__ = ["expected"]
+
+Kind = TypeVar("Kind")
+
+
+def expected(kind: type[Kind], value: Any) -> Kind:
+    """Return a value that is of a type.
+
+    Raises
+    ------
+    TypeError
+        If it is not: which type was expected, and which was found.
+    """
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        raise TypeError(f"expected {article} {kind.__name__}, found {type(value).__name__}")
+    return value

@@ -1,0 +1,126 @@
+"""Thresholds of cycles: how poses become one, and how one is edited."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from roundelay.base.thresholds import Thresholds, constant
+
+__all__ = ["ALIGNMENT", "CENTROID", "CONTINUITY", "CYCLE", "FOOTLOCK", "REPAIR", "WEIGHTED"]
+
+_BY_EYE = "chosen by eye in the first version"
+
+
+@dataclass(frozen=True)
+class _Continuity(Thresholds):
+    """Signs of quaternions over the repetitions."""
+
+    one_side: float = constant(
+        0.3,
+        unit="cosine of half an angle",
+        origin="a pose within 145 degrees of the mean is on its side; " + _BY_EYE,
+    )
+    glitches: float = constant(
+        0.05, unit="share of the poses", origin="so few beyond are glitches; " + _BY_EYE
+    )
+    beside: int = constant(
+        3, unit="frames", origin="a glitch begins and ends beside its worst; " + _BY_EYE
+    )
+    jump: float = constant(
+        0.866,
+        unit="cosine of half an angle",
+        origin="a turn of more than 60 degrees from frame to frame is a jump; " + _BY_EYE,
+    )
+    harmonics: int = constant(
+        8, unit="harmonics", origin="enough to tell how runs lie to each other; " + _BY_EYE
+    )
+
+
+CONTINUITY = _Continuity()
+
+
+@dataclass(frozen=True)
+class _Cycle(Thresholds):
+    """Where a cycle goes."""
+
+    travels: float = constant(
+        0.05, unit="body sizes a period", origin="less is staying where it is; " + _BY_EYE
+    )
+    climbs: float = constant(
+        0.05,
+        unit="body sizes a period",
+        origin="stairs and ladders; less is the drift of a capture's floor; " + _BY_EYE,
+    )
+    advance: float = constant(
+        1e-6, unit="turns a frame", origin="keeps rates finite where the phase rests"
+    )
+
+
+CYCLE = _Cycle()
+
+
+@dataclass(frozen=True)
+class _Centroid(Thresholds):
+    """The typical trajectory of [A]."""
+
+    samples: int = constant(500, unit="phases", origin="[A] 6.1")
+    neighbours: int = constant(10, unit="frames", origin="[A] 6.1")
+
+
+CENTROID = _Centroid()
+
+
+@dataclass(frozen=True)
+class _Weighted(Thresholds):
+    """The regression of [C]."""
+
+    harmonics: int = constant(20, unit="harmonics", origin="K of [C]'s tables")
+    farthest: float = constant(
+        -0.95,
+        unit="cosine of half an angle",
+        origin="beyond 323 degrees the direction of a rotation vector is ill determined; "
+        + _BY_EYE,
+    )
+
+
+WEIGHTED = _Weighted()
+
+
+@dataclass(frozen=True)
+class _Alignment(Thresholds):
+    """Two cycles in phase with each other."""
+
+    phases: int = constant(128, unit="phases", origin="compared; a parabola finds the best between")
+
+
+ALIGNMENT = _Alignment()
+
+
+@dataclass(frozen=True)
+class _Footlock(Thresholds):
+    """Legs whose feet are held."""
+
+    stretch: float = constant(
+        0.9995, unit="share of the leg's length", origin="a leg is never quite straight; " + _BY_EYE
+    )
+    damping: float = constant(
+        0.6, unit="sine of the knee's angle", origin="below, a knee would snap; " + _BY_EYE
+    )
+
+
+FOOTLOCK = _Footlock()
+
+
+@dataclass(frozen=True)
+class _Repair(Thresholds):
+    """Cycles whose limbs are parted."""
+
+    rate: float = constant(120.0, unit="frames a second", origin="at which a cycle is looked at")
+    fewest: int = constant(64, unit="frames a period", origin=_BY_EYE)
+    most: int = constant(480, unit="frames a period", origin="for speed")
+    ease: float = constant(
+        0.1, unit="seconds", origin="a leg that leaves the ground becomes free to turn; " + _BY_EYE
+    )
+
+
+REPAIR = _Repair()

@@ -1,0 +1,204 @@
+"""Readers and writers: what they must be, ours and those of plug-ins, and how a file finds its own.
+
+A reader or a writer is an object with a `name`, `suffixes` and one method; see `Reader` and
+`Writer`. One module holds each of ours. The first that knows a file's suffix gets the file, ours
+before those that plug-ins bring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Protocol, TypeVar, runtime_checkable
+
+from roundelay.base.errors import FormatError
+from roundelay.base.registry import Registry
+from roundelay.formats.acclaim_writer import AmcWriter
+from roundelay.formats.amc import AmcReader
+from roundelay.formats.bvh import BvhReader
+from roundelay.formats.bvh_writer import BvhWriter
+from roundelay.formats.gltf import GltfWriter
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.motion import Motion
+
+__all__ = [
+    "Reader",
+    "SkeletonReader",
+    "Suffixed",
+    "Writer",
+    "checked_format",
+    "files_of",
+    "in_words",
+    "reader_of",
+    "readers",
+    "suffixes_of",
+    "writer_of",
+    "writers",
+]
+
+
+class Suffixed(Protocol):
+    """Whatever is found by the suffix of a file."""
+
+    @property
+    def name(self) -> str:
+        """What it is called, for errors and to tell it from others."""
+        ...
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Suffixes of its files, in small letters with their dots, the usual one first."""
+        ...
+
+
+class Reader(Suffixed, Protocol):
+    """Read the files of one format."""
+
+    def read(self, path: Path) -> Motion:
+        """Read a file.
+
+        Parameters
+        ----------
+        path : Path
+            Its suffix is one of the reader's, in any case.
+
+        Returns
+        -------
+        Motion
+            Lengths in the file's unit. Which axis points up is found out afterwards.
+
+        Raises
+        ------
+        FormatError
+            If the file is not what its format says. Nothing else may be raised because of
+            what stands in a file.
+        OSError
+            If the file cannot be read.
+        """
+        ...
+
+
+@runtime_checkable
+class SkeletonReader(Reader, Protocol):
+    """Read the files of a format that keeps the skeleton in another file."""
+
+    def read(self, path: Path, skeleton: Skeleton | Path | None = None) -> Motion:
+        """Read a file, with a skeleton or the file that holds it, found by default."""
+        ...
+
+    def find_skeleton(self, path: Path) -> Path:
+        """Return the file of the skeleton that belongs to a file.
+
+        Raises
+        ------
+        FormatError
+            If there is none.
+        """
+        ...
+
+
+class Writer(Suffixed, Protocol):
+    """Write the files of one format."""
+
+    def write(self, motion: Motion, path: Path) -> None:
+        """Write a file, whole or not at all; see `roundelay.base.files.written_beside`.
+
+        Parameters
+        ----------
+        motion : Motion
+            Of at least one frame.
+        path : Path
+            Its suffix is one of the writer's, in any case.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        ...
+
+
+readers: Registry[Reader] = Registry("reader", "roundelay.readers", Reader)
+readers.add(BvhReader())
+readers.add(AmcReader())
+
+writers: Registry[Writer] = Registry("writer", "roundelay.writers", Writer)
+writers.add(BvhWriter())
+writers.add(AmcWriter())
+writers.add(GltfWriter())
+
+_Known = TypeVar("_Known", bound=Suffixed)
+
+
+def suffixes_of(registry: Iterable[Suffixed]) -> tuple[str, ...]:
+    """List the suffixes that readers or writers know, each once."""
+    return tuple(dict.fromkeys(suffix for one in registry for suffix in one.suffixes))
+
+
+def in_words(registry: Iterable[Suffixed]) -> str:
+    """Name the formats that readers or writers know by their suffixes, as in "BVH or AMC"."""
+    *others, last = (suffix[1:].upper() for suffix in suffixes_of(registry))
+    return f"{', '.join(others)} or {last}" if others else last
+
+
+def reader_of(path: Path) -> Reader:
+    """Return the reader of a file.
+
+    Raises
+    ------
+    FormatError
+        If no reader knows the suffix; the message lists those that are known.
+    """
+    try:
+        return _known(path, readers)
+    except ValueError as error:
+        raise FormatError(str(error), path=path) from None
+
+
+def writer_of(path: Path) -> Writer:
+    """Return the writer of a file.
+
+    Raises
+    ------
+    ValueError
+        If no writer knows the suffix; the message lists those that are known.
+    """
+    return _known(path, writers)
+
+
+def _known(path: Path, registry: Iterable[_Known]) -> _Known:
+    suffix = path.suffix.lower()
+    # Plug-ins are not looked for where one of ours knows the suffix.
+    for one in registry:
+        if suffix in one.suffixes:
+            return one
+    known = ", ".join(suffixes_of(registry))
+    raise ValueError(f"expected a file of type {known}, found {path.name or str(path)!r}")
+
+
+def checked_format(name: str) -> str:
+    """Return the name of a format to write, a suffix without its dot, if there is a writer of it.
+
+    Raises
+    ------
+    ValueError
+        If there is none; the message lists those that are known.
+    """
+    if not any(f".{name}" in writer.suffixes for writer in writers):
+        known = tuple(suffix[1:] for suffix in suffixes_of(writers))
+        raise ValueError(f"expected a format among {known}, found {name!r}")
+    return name
+
+
+def files_of(path: Path) -> list[Path]:
+    """List the files that a capture is made of: its own, and that of its skeleton.
+
+    Raises
+    ------
+    FormatError
+        If no reader knows the suffix, or the skeleton is not found.
+    OSError
+        If the folder cannot be read.
+    """
+    reader = reader_of(path)
+    return [path, *([reader.find_skeleton(path)] if isinstance(reader, SkeletonReader) else [])]

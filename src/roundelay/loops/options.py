@@ -1,0 +1,78 @@
+"""What a user may choose of how a loop is sampled, repaired and written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from roundelay.base.options import Checked, option
+from roundelay.formats import checked_format
+from roundelay.motion.motion import FASTEST
+
+__all__ = ["LoopOptions"]
+
+
+@dataclass(frozen=True)
+class LoopOptions(Checked):
+    """Choices of how a loop is sampled, repaired and written.
+
+    Parameters
+    ----------
+    fps : float, optional
+        Frames a second; the capture's by default.
+    periods : int
+        How many periods, one after the other.
+    in_place : bool
+        Leave out the root's travel and turning.
+    repeat_first : bool
+        Append the frame that repeats the first.
+    foot_lock : bool
+        Hold standing feet still; see `roundelay.cycles.edit.footlock`.
+    repair : bool
+        Part limbs that pass through each other more than they do in the capture.
+    file_format : str
+        "bvh", "amc", "glb", "gltf", or a suffix that a plug-in's writer knows.
+    profile : str
+        What the record tells of playing the loop, by the name of an export profile.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    title: ClassVar[str] = "What is written"
+
+    fps: float | None = option(
+        None,
+        "Frame rate of what is written; the capture's by default.",
+        unit="frames a second",
+        above=0,
+        most=FASTEST,
+    )
+    periods: int = option(1, "Write so many periods, one after the other.", least=1, most=1000)
+    in_place: bool = option(False, "Leave the root's travel and turning out.")
+    repeat_first: bool = option(False, "Let the last frame repeat the first.")
+    foot_lock: bool = option(True, "Keep standing feet where they stand.", label="Hold Feet")
+    repair: bool = option(
+        True,
+        "Part limbs that pass through each other more than they do in the capture.",
+        label="Part Limbs",
+    )
+    file_format: str = option("bvh", "Format of the file: {formats}.", flag="format")
+    profile: str = option("generic", "What the record tells of playing the loop: {profiles}.")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        checked_format(self.file_format)
+
+    @property
+    def sampling(self) -> dict[str, Any]:
+        """What `roundelay.Cycle.sample` takes of it, by name."""
+        return {
+            "fps": self.fps,
+            "periods": self.periods,
+            "in_place": self.in_place,
+            "repeat_first": self.repeat_first,
+            "foot_lock": self.foot_lock,
+        }

@@ -1,0 +1,177 @@
+"""One entry for all methods: a motion in, a `Segmentation` out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from roundelay.base.checks import expected
+from roundelay.base.errors import TooShort
+from roundelay.base.threads import one_thread
+from roundelay.motion.motion import Motion
+from roundelay.motion.poses import leading_rest_pose
+from roundelay.segmentation.features import joint_quaternions
+from roundelay.segmentation.gaussian import GaussianOptions
+from roundelay.segmentation.gmm import GMMOptions
+from roundelay.segmentation.method import Channels, Cuts, SegmentationMethod
+from roundelay.segmentation.methods import segmentation_methods
+from roundelay.segmentation.ppca import PPCAOptions
+from roundelay.segmentation.result import Segment, Segmentation
+from roundelay.segmentation.thresholds import MODEL
+
+__all__ = ["method_names", "segment", "segment_channels", "segmented"]
+
+# Names for options of a method: all choices of [B] itself.
+_PAPER: dict[str, Any] = {"ppca-paper": PPCAOptions.paper(), "gmm-paper": GMMOptions.paper()}
+
+
+@one_thread
+def segment(
+    motion: Motion,
+    *,
+    method: str | Any = "gaussian",
+    sensitivity: float = 1.0,
+    n_segments: int | None = None,
+    joints: Iterable[str] | None = None,
+    rng: int | np.random.Generator | None = None,
+) -> Segmentation:
+    """Cut a capture into behaviours, and name those that come back alike.
+
+    Parameters
+    ----------
+    motion : Motion
+    method : str or options
+        ``gaussian`` (the default, needs nothing), ``pca``, ``ppca`` or ``gmm`` of [B];
+        ``ppca-paper`` and ``gmm-paper`` with all of the paper's own choices (those of ``pca``
+        are the paper's); one that a plug-in brings; or a method's options, such as
+        ``PPCAOptions(threshold=2.5)``.
+    sensitivity : float
+        2 finds finer behaviours, .5 coarser ones (``gaussian`` only).
+    n_segments : int, optional
+        Make exactly this many segments (``gaussian`` only).
+    joints : iterable of str, optional
+        Joints to look at; by default those that correspond to [B]'s fourteen.
+    rng : int or numpy.random.Generator, optional
+        For ``gmm``; seeded with 0 by default.
+
+    Returns
+    -------
+    Segmentation
+
+    Raises
+    ------
+    SkeletonMismatch
+        If a joint is missing; the message names it.
+    TooShort
+        If a method of [B] gets fewer frames than it looks at. The default method takes a
+        capture under two seconds for one behaviour.
+    ValueError
+        If an option is out of range, or ``n_segments`` cannot be met.
+    """
+    values = joint_quaternions(expected(Motion, motion), joints)
+    if leading_rest_pose(values):
+        values[0] = values[1]
+    chosen, options = _chosen(method, sensitivity, n_segments)
+    # A quaternion moves half as far as its rotation turns.
+    channels = Channels(values, motion.fps, 2.0, MODEL.resolution, np.random.default_rng(rng or 0))
+    return replace(segmented(channels, chosen, options), source=motion.name)
+
+
+@one_thread
+def segment_channels(
+    values: ArrayLike,
+    fps: float,
+    *,
+    method: str | Any = "gaussian",
+    sensitivity: float = 1.0,
+    n_segments: int | None = None,
+    rng: int | np.random.Generator | None = None,
+) -> Segmentation:
+    """Cut bare channels (n, d) of any unit into behaviours; see `segment`.
+
+    Raises
+    ------
+    TooShort, ValueError
+        As `segment` does; ValueError also for values that are not finite or no channels.
+    """
+    points = np.asarray(values, float)
+    if points.ndim != 2 or points.shape[1] == 0 or not np.all(np.isfinite(points)):
+        raise ValueError(f"expected finite values (n, d), found shape {points.shape}")
+    if not (np.isfinite(fps) and fps > 0.0):
+        raise ValueError(f"expected a positive frame rate, found {fps}")
+    chosen, options = _chosen(method, sensitivity, n_segments)
+    channels = Channels(points, fps, rng=np.random.default_rng(rng or 0))
+    return segmented(channels, chosen, options)
+
+
+def method_names() -> tuple[str, ...]:
+    """Return the names that `segment` takes."""
+    return (*segmentation_methods.names(), *_PAPER)
+
+
+def _chosen(
+    method: Any, sensitivity: float, n_segments: int | None
+) -> tuple[SegmentationMethod, Any]:
+    """Return the method of a name or of options, and its options."""
+    if method == "gaussian":
+        options = GaussianOptions(sensitivity=sensitivity, n_segments=n_segments)
+        return segmentation_methods["gaussian"], options
+    if sensitivity != 1.0 or n_segments is not None:
+        raise ValueError("expected sensitivity and n_segments with the method 'gaussian' only")
+    if isinstance(method, str) and method not in _PAPER:
+        named = _named(method)
+        return named, named.options
+    options = _PAPER[method] if isinstance(method, str) else method
+    return _method_of(options), options
+
+
+def _named(name: str) -> SegmentationMethod:
+    for method in segmentation_methods:
+        if method.name == name:
+            return method
+    raise ValueError(f"expected a method among {method_names()}, found {name!r}")
+
+
+def _method_of(options: object) -> SegmentationMethod:
+    """Return the first method that has options of this type."""
+    for method in segmentation_methods:
+        if type(method.options) is type(options):
+            return method
+    raise ValueError(f"expected a method's name or options, found {options!r}")
+
+
+def segmented(channels: Channels, method: SegmentationMethod, options: Any) -> Segmentation:
+    """Cut channels by a method.
+
+    Raises
+    ------
+    TooShort
+        If there is no frame, or fewer than the method looks at.
+    """
+    if len(channels.values) == 0:
+        raise TooShort("expected at least one frame, found none")
+    found = method.find(channels, options)
+    labels = _recurring(channels, found) if found.labels is None else found.labels
+    segments = _segments(found, labels, len(channels.values))
+    return Segmentation(segments, method.name, options, 1.0 / channels.fps, found.curve)
+
+
+def _recurring(channels: Channels, found: Cuts) -> Sequence[int]:
+    """Label segments that one Gaussian describes as well as two alike."""
+    model = channels.model()
+    return model.labels([min(cut // model.step, len(model) - 1) for cut in found.frames])
+
+
+def _segments(found: Cuts, labels: Sequence[int], frames: int) -> tuple[Segment, ...]:
+    bounds = [0, *found.frames, frames]
+    clear = [np.inf, *found.strengths, np.inf]
+    return tuple(
+        Segment(start, stop, label, float(score) if np.isfinite(score) else None)
+        for start, stop, label, score in zip(
+            bounds[:-1], bounds[1:], labels, np.minimum(clear[:-1], clear[1:]), strict=True
+        )
+    )

@@ -1,0 +1,150 @@
+"""Thresholds of segmentation. What a user can set of the methods of [B] stands in their options."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from roundelay.base.thresholds import Thresholds, constant
+
+__all__ = ["GAUSSIAN", "GMM", "MODEL", "PCA", "PPCA", "SCORING"]
+
+_BY_EYE = "chosen by eye in the first version"
+
+
+@dataclass(frozen=True)
+class _Model(Thresholds):
+    """The likelihood of stretches of a capture."""
+
+    rate: float = constant(
+        30.0, unit="frames a second", origin="movement of the body has little above 5 Hz"
+    )
+    smoothing: float = constant(
+        0.05, unit="seconds, standard deviation", origin="measurement noise lies above 5 Hz"
+    )
+    kernel: float = constant(
+        3.0, unit="standard deviations", origin="where the Gaussian window ends: weights below .012"
+    )
+    resolution: float = constant(
+        0.15, unit="radians", origin="smaller differences make no behaviours; " + _BY_EYE
+    )
+    relative: float = constant(
+        0.15,
+        unit="share of the total standard deviation",
+        origin="the resolution of channels whose unit is not known; " + _BY_EYE,
+    )
+    negligible: float = constant(
+        0.5, unit="share of the resolution", origin="axes that vary less are left out; " + _BY_EYE
+    )
+    window: float = constant(
+        2.0, unit="seconds", origin="in which the correlation time is measured; " + _BY_EYE
+    )
+    evidence: float = constant(
+        5.5,
+        unit="log-likelihood ratio, an effective dimension and independent pose",
+        origin="what a cut must gain; chosen on the captures of the segmentation benchmark",
+    )
+    label: float = constant(
+        4.0,
+        unit="log-likelihood ratio, an effective dimension and independent pose",
+        origin="what a label must gain: less, for there is no search over its place; chosen on the "
+        "captures of the segmentation benchmark",
+    )
+
+
+MODEL = _Model()
+
+
+@dataclass(frozen=True)
+class _Gaussian(Thresholds):
+    """The search for cuts."""
+
+    grid: float = constant(1 / 3, unit="seconds", origin="where cuts are first sought; for speed")
+    reach: float = constant(
+        1.0, unit="seconds", origin="by which cuts are then moved at most; " + _BY_EYE
+    )
+    calm: float = constant(
+        2.0, unit="power of 1 / speed", origin="prior of cuts for little motion; " + _BY_EYE
+    )
+    slow: float = constant(
+        0.01, unit="share of the median speed", origin="below, all is calm; " + _BY_EYE
+    )
+    memory: float = constant(
+        12.0, unit="seconds", origin="older starts must be among the best; for speed"
+    )
+    veterans: int = constant(15, unit="starts", origin="so many of the old are kept; for speed")
+    penalties: float = constant(
+        7.0,
+        unit="logarithm of the evidence asked",
+        origin="a number of segments is sought within a factor of a thousand",
+    )
+    bisections: int = constant(
+        14, unit="steps", origin="leave the logarithm within .001; " + _BY_EYE
+    )
+
+
+GAUSSIAN = _Gaussian()
+
+
+@dataclass(frozen=True)
+class _PCA(Thresholds):
+    """[B] 3.1."""
+
+    span: float = constant(
+        1e-7,
+        unit="length of a pose",
+        origin="a frame so near to the span of the earlier ones adds no dimension; rounding",
+    )
+
+
+PCA = _PCA()
+
+
+@dataclass(frozen=True)
+class _PPCA(Thresholds):
+    """[B] 3.2."""
+
+    descent: float = constant(
+        0.1,
+        unit="share of the rise",
+        origin="[B] is silent on when a peak is over; " + _BY_EYE,
+    )
+    rise: float = constant(15.0, unit="Mahalanobis distances", origin="[B] 3.2: R")
+    floor: float = constant(
+        1e-10,
+        unit="share of the sum of variances",
+        origin="[B] eq. 7 averages over structural zeros too: sigma^2 is kept above this",
+    )
+    rounding: float = constant(
+        1e-15, unit="share of the sum of squares", origin="rounding of the sums"
+    )
+
+
+PPCA = _PPCA()
+
+
+@dataclass(frozen=True)
+class _GMM(Thresholds):
+    """[B] 3.3."""
+
+    floor: float = constant(
+        1e-6, unit="mean variance", origin="[B] is silent; keeps covariances positive definite"
+    )
+    still: float = constant(1e-20, unit="largest variance", origin="rounding: nothing moves")
+    gain: float = constant(
+        1e-6, unit="log-likelihood a frame", origin="[B] is silent on when to stop; " + _BY_EYE
+    )
+
+
+GMM = _GMM()
+
+
+@dataclass(frozen=True)
+class _Scoring(Thresholds):
+    """How segmentations are scored."""
+
+    tolerances: tuple[float, ...] = constant(
+        (0.0, 0.25, 0.5, 1.0), unit="seconds", origin="strict, and the rows of the benchmark"
+    )
+
+
+SCORING = _Scoring()

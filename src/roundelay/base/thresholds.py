@@ -4,7 +4,7 @@ The constants of a room stand in its module `thresholds`, in one frozen record a
 
     @dataclass(frozen=True)
     class _Closed(Thresholds):
-        longest: float = constant(10.0, unit="seconds", origin=_BY_EYE)
+        longest: float = constant(10.0, unit="seconds", origin=BY_EYE)
 
     CLOSED = _Closed()
 
@@ -21,11 +21,12 @@ from dataclasses import dataclass, field, fields
 from importlib import import_module
 from typing import Any
 
-__all__ = ["Constant", "Thresholds", "Value", "constant", "constants", "overridden"]
+__all__ = ["BY_EYE", "Constant", "Thresholds", "Value", "constant", "constants", "overridden"]
 
 Value = float | int | tuple[float, ...] | tuple[int, ...]
 
-_BY_EYE = "chosen by eye in the first version"
+BY_EYE = "chosen by eye in the first version"
+"""The origin of a constant that nobody measured."""
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from roundelay.base.thresholds import Thresholds, constant
+from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
 __all__ = ["ALIGNMENT", "CENTROID", "CONTINUITY", "CYCLE", "FOOTLOCK", "REPAIR", "WEIGHTED"]
-
-_BY_EYE = "chosen by eye in the first version"
 
 
 @dataclass(frozen=True)
@@ -18,21 +16,21 @@ class _Continuity(Thresholds):
     one_side: float = constant(
         0.3,
         unit="cosine of half an angle",
-        origin="a pose within 145 degrees of the mean is on its side; " + _BY_EYE,
+        origin="a pose within 145 degrees of the mean is on its side; " + BY_EYE,
     )
     glitches: float = constant(
-        0.05, unit="share of the poses", origin="so few beyond are glitches; " + _BY_EYE
+        0.05, unit="share of the poses", origin="so few beyond are glitches; " + BY_EYE
     )
     beside: int = constant(
-        3, unit="frames", origin="a glitch begins and ends beside its worst; " + _BY_EYE
+        3, unit="frames", origin="a glitch begins and ends beside its worst; " + BY_EYE
     )
     jump: float = constant(
         0.866,
         unit="cosine of half an angle",
-        origin="a turn of more than 60 degrees from frame to frame is a jump; " + _BY_EYE,
+        origin="a turn of more than 60 degrees from frame to frame is a jump; " + BY_EYE,
     )
     harmonics: int = constant(
-        8, unit="harmonics", origin="enough to tell how runs lie to each other; " + _BY_EYE
+        8, unit="harmonics", origin="enough to tell how runs lie to each other; " + BY_EYE
     )
 
 
@@ -44,12 +42,12 @@ class _Cycle(Thresholds):
     """Where a cycle goes."""
 
     travels: float = constant(
-        0.05, unit="body sizes a period", origin="less is staying where it is; " + _BY_EYE
+        0.05, unit="body sizes a period", origin="less is staying where it is; " + BY_EYE
     )
     climbs: float = constant(
         0.05,
         unit="body sizes a period",
-        origin="stairs and ladders; less is the drift of a capture's floor; " + _BY_EYE,
+        origin="stairs and ladders; less is the drift of a capture's floor; " + BY_EYE,
     )
     advance: float = constant(
         1e-6, unit="turns a frame", origin="keeps rates finite where the phase rests"
@@ -78,8 +76,7 @@ class _Weighted(Thresholds):
     farthest: float = constant(
         -0.95,
         unit="cosine of half an angle",
-        origin="beyond 323 degrees the direction of a rotation vector is ill determined; "
-        + _BY_EYE,
+        origin="beyond 323 degrees the direction of a rotation vector is ill determined; " + BY_EYE,
     )
 
 
@@ -101,10 +98,10 @@ class _Footlock(Thresholds):
     """Legs whose feet are held."""
 
     stretch: float = constant(
-        0.9995, unit="share of the leg's length", origin="a leg is never quite straight; " + _BY_EYE
+        0.9995, unit="share of the leg's length", origin="a leg is never quite straight; " + BY_EYE
     )
     damping: float = constant(
-        0.6, unit="sine of the knee's angle", origin="below, a knee would snap; " + _BY_EYE
+        0.6, unit="sine of the knee's angle", origin="below, a knee would snap; " + BY_EYE
     )
 
 
@@ -116,10 +113,10 @@ class _Repair(Thresholds):
     """Cycles whose limbs are parted."""
 
     rate: float = constant(120.0, unit="frames a second", origin="at which a cycle is looked at")
-    fewest: int = constant(64, unit="frames a period", origin=_BY_EYE)
+    fewest: int = constant(64, unit="frames a period", origin=BY_EYE)
     most: int = constant(480, unit="frames a period", origin="for speed")
     ease: float = constant(
-        0.1, unit="seconds", origin="a leg that leaves the ground becomes free to turn; " + _BY_EYE
+        0.1, unit="seconds", origin="a leg that leaves the ground becomes free to turn; " + BY_EYE
     )
 
 

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from roundelay.base.thresholds import Thresholds, constant
+from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
 __all__ = ["FIT", "QUALITY"]
-
-_BY_EYE = "chosen by eye in the first version"
 
 
 @dataclass(frozen=True)
 class _Fit(Thresholds):
     """How a loop is laid against its capture."""
 
-    phases: int = constant(256, unit="phases", origin="tried; " + _BY_EYE)
+    phases: int = constant(256, unit="phases", origin="tried; " + BY_EYE)
     frames: int = constant(4096, unit="frames of a run", origin="that decide; for speed")
 
 
@@ -26,11 +24,9 @@ FIT = _Fit()
 class _Quality(Thresholds):
     """Figures of a loop."""
 
-    cells: int = constant(
-        32, unit="cells of a turn", origin="looked for in the capture; " + _BY_EYE
-    )
+    cells: int = constant(32, unit="cells of a turn", origin="looked for in the capture; " + BY_EYE)
     usual: int = constant(
-        95, unit="percentile of changes of velocity", origin="the capture's; " + _BY_EYE
+        95, unit="percentile of changes of velocity", origin="the capture's; " + BY_EYE
     )
 
 

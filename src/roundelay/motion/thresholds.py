@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from roundelay.base.thresholds import Thresholds, constant
+from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
 __all__ = ["POSES"]
-
-_BY_EYE = "chosen by eye in the first version"
 
 
 @dataclass(frozen=True)
@@ -23,10 +21,10 @@ class _Poses(Thresholds):
     rest_step: float = constant(
         5.0,
         unit="times the largest other step",
-        origin="frames of a movement are never so far apart; " + _BY_EYE,
+        origin="frames of a movement are never so far apart; " + BY_EYE,
     )
-    rest_frames: int = constant(200, unit="frames", origin="steps that are looked at; " + _BY_EYE)
-    rest_fewest: int = constant(3, unit="steps", origin="fewer tell nothing; " + _BY_EYE)
+    rest_frames: int = constant(200, unit="frames", origin="steps that are looked at; " + BY_EYE)
+    rest_fewest: int = constant(3, unit="steps", origin="fewer tell nothing; " + BY_EYE)
 
 
 POSES = _Poses()

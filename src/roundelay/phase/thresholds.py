@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from roundelay.base.thresholds import Thresholds, constant
+from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
 __all__ = ["CROSSFADE", "HARMONIC", "MIXTURE", "PHASE_MAP", "TEMPO"]
-
-_BY_EYE = "chosen by eye in the first version"
 
 
 @dataclass(frozen=True)
@@ -21,7 +19,7 @@ class _Harmonic(Thresholds):
     largest_penalty: float = constant(
         1e-1, unit="strength of the roughness penalty", origin="hardly more than the mean"
     )
-    penalties: int = constant(25, unit="strengths tried", origin=_BY_EYE)
+    penalties: int = constant(25, unit="strengths tried", origin=BY_EYE)
     least_freedom: float = constant(
         1e-3,
         unit="frames",
@@ -33,8 +31,8 @@ class _Harmonic(Thresholds):
         origin="people's movement, foot strikes included, lies below: gait laboratories filter "
         "marker paths at 6 to 15 Hz",
     )
-    fewest: int = constant(5, unit="harmonics", origin=_BY_EYE)
-    most: int = constant(60, unit="harmonics", origin="the bandwidth at 4 s; " + _BY_EYE)
+    fewest: int = constant(5, unit="harmonics", origin=BY_EYE)
+    most: int = constant(60, unit="harmonics", origin="the bandwidth at 4 s; " + BY_EYE)
 
 
 HARMONIC = _Harmonic()
@@ -44,7 +42,7 @@ HARMONIC = _Harmonic()
 class _Crossfade(Thresholds):
     """How the ends of a run blend into each other."""
 
-    shortest: float = constant(0.05, unit="turns", origin=_BY_EYE)
+    shortest: float = constant(0.05, unit="turns", origin=BY_EYE)
     longest: float = constant(
         0.1, unit="turns", origin="where more is seen twice, as much as possible counts in full"
     )
@@ -72,9 +70,9 @@ MIXTURE = _Mixture()
 class _PhaseMap(Thresholds):
     """The way from structure to time."""
 
-    cells: int = constant(128, unit="cells of a turn", origin=_BY_EYE)
+    cells: int = constant(128, unit="cells of a turn", origin=BY_EYE)
     covered: float = constant(
-        0.95, unit="share of the circle", origin="less than a period has no timing; " + _BY_EYE
+        0.95, unit="share of the circle", origin="less than a period has no timing; " + BY_EYE
     )
 
 
@@ -86,17 +84,17 @@ class _Tempo(Thresholds):
     """How steady the tempo is taken to be."""
 
     variance: float = constant(
-        0.98, unit="share of the poses' variance", origin="axes that decide; speed; " + _BY_EYE
+        0.98, unit="share of the poses' variance", origin="axes that decide; speed; " + BY_EYE
     )
     widths: tuple[float, ...] = constant(
-        (1.5, 0.5, 0.15, 0.05), unit="periods", origin="tried from the steadiest on; " + _BY_EYE
+        (1.5, 0.5, 0.15, 0.05), unit="periods", origin="tried from the steadiest on; " + BY_EYE
     )
     tolerance: float = constant(
         0.01,
         unit="share of the poses' variance",
-        origin="what a steadier tempo may leave unexplained; " + _BY_EYE,
+        origin="what a steadier tempo may leave unexplained; " + BY_EYE,
     )
-    harmonics: int = constant(12, unit="harmonics", origin="enough to compare tempos; " + _BY_EYE)
+    harmonics: int = constant(12, unit="harmonics", origin="enough to compare tempos; " + BY_EYE)
     reach: float = constant(
         0.06, unit="share of the period", origin="a line is up to 5 % off below two repetitions"
     )

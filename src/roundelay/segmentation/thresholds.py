@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from roundelay.base.thresholds import Thresholds, constant
+from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
 __all__ = ["GAUSSIAN", "GMM", "MODEL", "PCA", "PPCA", "SCORING"]
-
-_BY_EYE = "chosen by eye in the first version"
 
 
 @dataclass(frozen=True)
@@ -25,18 +23,18 @@ class _Model(Thresholds):
         3.0, unit="standard deviations", origin="where the Gaussian window ends: weights below .012"
     )
     resolution: float = constant(
-        0.15, unit="radians", origin="smaller differences make no behaviours; " + _BY_EYE
+        0.15, unit="radians", origin="smaller differences make no behaviours; " + BY_EYE
     )
     relative: float = constant(
         0.15,
         unit="share of the total standard deviation",
-        origin="the resolution of channels whose unit is not known; " + _BY_EYE,
+        origin="the resolution of channels whose unit is not known; " + BY_EYE,
     )
     negligible: float = constant(
-        0.5, unit="share of the resolution", origin="axes that vary less are left out; " + _BY_EYE
+        0.5, unit="share of the resolution", origin="axes that vary less are left out; " + BY_EYE
     )
     window: float = constant(
-        2.0, unit="seconds", origin="in which the correlation time is measured; " + _BY_EYE
+        2.0, unit="seconds", origin="in which the correlation time is measured; " + BY_EYE
     )
     evidence: float = constant(
         5.5,
@@ -60,13 +58,13 @@ class _Gaussian(Thresholds):
 
     grid: float = constant(1 / 3, unit="seconds", origin="where cuts are first sought; for speed")
     reach: float = constant(
-        1.0, unit="seconds", origin="by which cuts are then moved at most; " + _BY_EYE
+        1.0, unit="seconds", origin="by which cuts are then moved at most; " + BY_EYE
     )
     calm: float = constant(
-        2.0, unit="power of 1 / speed", origin="prior of cuts for little motion; " + _BY_EYE
+        2.0, unit="power of 1 / speed", origin="prior of cuts for little motion; " + BY_EYE
     )
     slow: float = constant(
-        0.01, unit="share of the median speed", origin="below, all is calm; " + _BY_EYE
+        0.01, unit="share of the median speed", origin="below, all is calm; " + BY_EYE
     )
     memory: float = constant(
         12.0, unit="seconds", origin="older starts must be among the best; for speed"
@@ -78,7 +76,7 @@ class _Gaussian(Thresholds):
         origin="a number of segments is sought within a factor of a thousand",
     )
     bisections: int = constant(
-        14, unit="steps", origin="leave the logarithm within .001; " + _BY_EYE
+        14, unit="steps", origin="leave the logarithm within .001; " + BY_EYE
     )
 
 
@@ -106,7 +104,7 @@ class _PPCA(Thresholds):
     descent: float = constant(
         0.1,
         unit="share of the rise",
-        origin="[B] is silent on when a peak is over; " + _BY_EYE,
+        origin="[B] is silent on when a peak is over; " + BY_EYE,
     )
     rise: float = constant(15.0, unit="Mahalanobis distances", origin="[B] 3.2: R")
     floor: float = constant(
@@ -131,7 +129,7 @@ class _GMM(Thresholds):
     )
     still: float = constant(1e-20, unit="largest variance", origin="rounding: nothing moves")
     gain: float = constant(
-        1e-6, unit="log-likelihood a frame", origin="[B] is silent on when to stop; " + _BY_EYE
+        1e-6, unit="log-likelihood a frame", origin="[B] is silent on when to stop; " + BY_EYE
     )
 
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from roundelay.base.thresholds import Thresholds, constant
+from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
 __all__ = ["COORDINATE", "LATTICE", "SIGNIFICANCE"]
-
-_BY_EYE = "chosen by eye in the first version"
 
 
 @dataclass(frozen=True)
@@ -25,10 +23,10 @@ class _Coordinate(Thresholds):
         0.45, unit="turns along an edge", origin="a coordinate is sound below .5"
     )
     highest: float = constant(
-        0.95, unit="share of the life of a class", origin="the first scale tried; " + _BY_EYE
+        0.95, unit="share of the life of a class", origin="the first scale tried; " + BY_EYE
     )
     lowest: float = constant(
-        0.15, unit="share of the life of a class", origin="the last scale tried; " + _BY_EYE
+        0.15, unit="share of the life of a class", origin="the last scale tried; " + BY_EYE
     )
     scales: int = constant(
         8, unit="scales tried", origin="single scales can be bad; about 8 did on 61 walks and runs"
@@ -36,7 +34,7 @@ class _Coordinate(Thresholds):
     slack: float = constant(
         0.1,
         unit="turns",
-        origin="scales so near to the best count as good; " + _BY_EYE,
+        origin="scales so near to the best count as good; " + BY_EYE,
     )
     scouts: int = constant(
         256, unit="points", origin="enough to compare scales; chosen for speed in the first version"

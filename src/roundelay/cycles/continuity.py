@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.numeric import TINY
-from roundelay.base.spans import Span
+from roundelay.base.spans import Span, Spans
 from roundelay.cycles.thresholds import CONTINUITY
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import heading
@@ -134,7 +134,7 @@ def _signed(
         np.abs(np.einsum("fjq,fjq->fj", local[a + 1 : b], local[a : b - 1])) for a, b in runs
     ]
     jumps = np.concatenate(follows).min(axis=0, initial=1.0) < CONTINUITY.jump
-    inside = np.concatenate([np.arange(*run) for run in runs])
+    inside = Spans(runs).frames
     for joint in np.flatnonzero(jumps):
         values = local[inside, joint]
         side = values @ rot.mean(values)

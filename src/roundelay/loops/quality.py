@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.checks import expected
 from roundelay.base.errors import TooShort
-from roundelay.base.spans import Span
+from roundelay.base.spans import Spans
 from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry import rotations as rot
@@ -132,19 +132,19 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
         capture_jerk=_mean_jerk(*[source[a:b] for a, b in runs], fps=motion.fps),
         template_error=template,
         repetitions=cycle.evidence.repetitions,
-        frames=sum(b - a for a, b in runs),
+        frames=runs.total,
         seam_length=float(gap.max()) * motion.skeleton.size,
         loop_skate=slid[0],
         capture_skate=slid[1],
         velocity_error=velocity,
         acceleration_error=acceleration,
-        npss=_likeness(laid, shift_invariant=False),
-        npss_shift_invariant=_likeness(laid, shift_invariant=True),
+        npss=_spectral_difference(laid, shift_invariant=False),
+        npss_shift_invariant=_spectral_difference(laid, shift_invariant=True),
         coverage=_coverage(laid),
     )
 
 
-def _skates(cycle: Cycle, motion: Motion, runs: tuple[Span, ...]) -> tuple[float, float]:
+def _skates(cycle: Cycle, motion: Motion, runs: Spans) -> tuple[float, float]:
     """Return how far feet slide in a period, in body sizes, in the loop and in the capture."""
     feet = find_feet(motion.skeleton, motion.positions(), motion.up)
     if not feet:
@@ -157,14 +157,14 @@ def _skates(cycle: Cycle, motion: Motion, runs: tuple[Span, ...]) -> tuple[float
         points = foot_points(feet, *placed)
         return skate(points, fps=part.fps, size=part.skeleton.size, up=part.up)
 
-    periods = sum(b - a for a, b in runs) / (cycle.period * motion.fps)
+    periods = runs.total / (cycle.period * motion.fps)
     # Two periods: the slide across the seam counts.
     return 0.5 * slid(cycle.sample(periods=2, repeat_first=True)), sum(
         slid(motion[a:b]) for a, b in runs
     ) / periods
 
 
-def _likeness(laid: list[Laid], *, shift_invariant: bool) -> float:
+def _spectral_difference(laid: list[Laid], *, shift_invariant: bool) -> float:
     """Return the spectral difference of joints' turns from their mean, over all runs."""
     middle = rot.conjugate(rot.mean(laid[0].capture))
     values = []

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.spans import Span
+from roundelay.base.spans import Span, Spans
 from roundelay.motion.poses import principal_components
 from roundelay.phase.harmonic import crossfade_weights, fit_harmonic, highest_harmonic
 from roundelay.phase.period import line_period
@@ -44,7 +44,7 @@ def time_phase(points: Array, turns: Array, runs: Sequence[Span], *, frame_time:
     """
     mapping = phase_map(turns, runs)
     raw = np.where(np.isfinite(turns), mapping(np.nan_to_num(turns)), np.nan)
-    inside = np.concatenate([np.arange(*run) for run in runs])
+    inside = Spans(runs).frames
     reduced = principal_components(points[inside], TEMPO.variance)
     poses = np.zeros((len(points), reduced.shape[1]))
     poses[inside] = reduced

@@ -83,7 +83,7 @@ def centroid_cycle(
         raise ValueError("expected a cycle found in a capture, with its evidence")
     samples = CENTROID.samples if samples is None else samples
     neighbours = CENTROID.neighbours if neighbours is None else neighbours
-    frames = np.concatenate([np.arange(*run) for run in cycle.evidence.runs])
+    frames = cycle.evidence.runs.frames
     if not 1 <= neighbours <= len(frames):
         raise ValueError(f"expected 1 to {len(frames)} neighbours, found {neighbours}")
     theta = cycle.evidence.turns[frames] % 1.0

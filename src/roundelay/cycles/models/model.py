@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +15,13 @@ from roundelay.timeline.options import Options
 __all__ = ["CycleModel"]
 
 
-@runtime_checkable
 class CycleModel(Protocol):
-    """Make a cycle of the frames that show a motion.
+    """Make a cycle of the frames that show a motion."""
 
-    Attributes
-    ----------
-    name : str
-        How `Options.method` names it.
-    """
-
-    name: str
+    @property
+    def name(self) -> str:
+        """How `Options.method` names it."""
+        ...
 
     def fit(
         self, motion: Motion, phase: NDArray[np.float64], evidence: Evidence, options: Options

@@ -18,7 +18,6 @@ Where this is not [C] to the letter (`roundelay.reproduction.raunio` is):
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -26,7 +25,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.numeric import ROUNDING
-from roundelay.base.spans import Span
 from roundelay.cycles.continuity import Followed, followed_poses
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.models.constrained import Fit, Model, fit_model
@@ -98,8 +96,8 @@ def paper_cycle(
     model = Model(harmonics, velocity=velocity, acceleration=acceleration)
     phase = _ranked(cycle.evidence)
     poses = followed_poses(motion, phase, runs, harmonics)
-    inside = np.concatenate([np.arange(*run) for run in runs])
-    fit = partial(fit_model, phase[inside], period=period, model=model, runs=_joined(runs))
+    inside = runs.frames
+    fit = partial(fit_model, phase[inside], period=period, model=model, runs=runs.joined)
     centre = _centre(cycle, poses, inside)
     angles = fit(_angles(centre(phase[inside]), poses, inside, cycle.skeleton)).curve
     path = np.concatenate([_walked(poses.steps(motion)[start : stop - 1]) for start, stop in runs])
@@ -124,16 +122,10 @@ def _ranked(evidence: Evidence) -> Array:
     """
     if evidence.closed:
         return evidence.turns
-    inside = np.concatenate([np.arange(*run) for run in evidence.runs])
+    inside = evidence.runs.frames
     result = np.full(len(evidence.turns), np.nan)
     result[inside] = np.floor(evidence.turns[inside]) + rank_remap(evidence.turns[inside])
     return result
-
-
-def _joined(runs: Sequence[Span]) -> list[Span]:
-    """Return the ranges of runs whose frames are put one after the other."""
-    ends = np.cumsum([stop - start for start, stop in runs]).tolist()
-    return list(zip([0, *ends[:-1]], ends, strict=True))
 
 
 def _walked(steps: Array) -> Array:

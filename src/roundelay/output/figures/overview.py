@@ -108,7 +108,7 @@ def in_plane(cycle: Cycle, motion: Motion) -> tuple[Array, Array, NDArray[np.int
     points = point_cloud(motion)
     frames = np.arange(len(motion))
     if cycle.evidence is not None:
-        frames = np.concatenate([np.arange(*run) for run in cycle.evidence.runs])
+        frames = cycle.evidence.runs.frames
     centre = points[frames].mean(axis=0)
     axes = np.linalg.svd(points[frames] - centre, full_matrices=False)[2][:2].T
     around = point_cloud(cycle.at(np.linspace(0, 1, 200), frame_time=0.01))

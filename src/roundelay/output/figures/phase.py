@@ -87,7 +87,7 @@ def remaps(motion: Motion, evidence: Evidence) -> Figure:
         "spread by a mixture ([C] 3.21)": fit_circular_mixture(phase).distribution(phase),
         "by the speed of traversal (default)": by_speed,
     }
-    inside = np.concatenate([np.arange(*run) for run in evidence.runs])
+    inside = evidence.runs.frames
     figure = new_figure(14.0, 3.2)
     row = figure.subplots(1, len(maps), sharey=True)
     for axes, (title, values) in zip(row, maps.items(), strict=True):

@@ -136,7 +136,7 @@ def _plane(
     points: Array, evidence: Evidence, step: int, packer: Packer, cycle: Cycle | None
 ) -> dict[str, Any]:
     """Project capture and cycle on the motion's first two principal components."""
-    inside = np.concatenate([np.arange(*run) for run in evidence.runs])
+    inside = evidence.runs.frames
     centre = points[inside].mean(axis=0)
     _, spread, axes = np.linalg.svd(points[inside] - centre, full_matrices=False)
     plane = axes[:2].T

@@ -10,6 +10,7 @@ from typing import Any
 import roundelay
 from roundelay.base.options import Checked, Declared, choices, declared
 from roundelay.cli import app
+from roundelay.commands.listing import filled
 from roundelay.commands.options import taken_by
 
 HEADING = ("option", "command line", "values", "default", "what it does", "taken by")
@@ -59,7 +60,7 @@ def _row(one: Declared) -> list[str]:
     flags += [f"`--no-{one.flag}`"] if commands and bool in choices(one.kind) else []
     default = f"{one.default:.4g}" if isinstance(one.default, float) else one.default
     default = "automatic" if default is None else f"`{default}`"
-    cells = [f"`{one.name}`", ", ".join(flags), str(one), default, one.known.text]
+    cells = [f"`{one.name}`", ", ".join(flags), str(one), default, filled(one.known.text)]
     return [*cells, ", ".join(commands)]
 
 

@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 import roundelay as rl
 from roundelay.base.options import choices, leaves
 from roundelay.cli import app
+from roundelay.commands.listing import filled
 from roundelay.commands.options import taken_by
 from roundelay.cycles.edit import blend
 from roundelay.cycles.edit.options import BlendOptions, TransitionOptions
@@ -120,6 +121,18 @@ def test_unknown_names_are_refused(kind):
         kind(tempo=3)
 
 
+def test_tables_list_what_is_registered():
+    text = tables.tables()
+    assert "Format of the file: bvh, amc, glb, gltf." in text
+    assert "{" not in text
+
+
+@pytest.mark.parametrize("name", ["joints", "proposers"])
+def test_an_empty_choice_is_refused(name):
+    with pytest.raises(ValueError, match=f"expected {name} as at least one name, or None"):
+        rl.Options(**{name: ()})
+
+
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), True, "2"])
 def test_what_is_no_number_is_refused(value):
     with pytest.raises(ValueError, match="expected scale as a number, more than 0, in body sizes"):
@@ -214,7 +227,7 @@ def test_the_documentation_names_every_option():
         section = text.partition(f"`{kind.__module__}.{kind.__name__}`")[2].partition("## ")[0]
         (row,) = [line for line in section.splitlines() if line.startswith(f"| `{one.name}` |")]
         assert str(one) in row
-        assert one.known.text in row
+        assert filled(one.known.text) in row
     for command, one in ON_COMMANDS:
         assert re.search(rf"^\| `{one.name}` \| `--{one.flag}`.*\b{command}\b", text, re.M)
     assert "_made/options.md" in (ROOT / "docs" / "options.md").read_text()

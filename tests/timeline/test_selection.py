@@ -68,6 +68,12 @@ def test_frames_that_are_taken_are_not_asked_about_again(walk, told):
     assert len(rl.find_periodic(walk.motion, rl.Options(proposers=("told",)))) == 2
 
 
+def test_a_proposer_that_was_named_is_not_taken_for_gestures(walk, told):
+    told.proposals = (Proposal(Spans([(0, 4)]), 2.0),)
+    with pytest.raises(rl.NoPeriod, match=r"^no periodic motion found: frames 0-4"):
+        rl.find_periodic(walk.motion, rl.Options(proposers=("told",), gestures=True))
+
+
 def test_limbs_that_a_take_lacks_are_refused(walk, told):
     told.proposals = (Proposal(Spans([(0, 200)]), 66.0, limbs="wings"),)
     with pytest.raises(rl.NoPeriod, match="there are no wings"):

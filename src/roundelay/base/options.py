@@ -200,7 +200,7 @@ def _default_of(one: Field[Any]) -> Any:
 
 
 def choices(kind: Any) -> tuple[Any, ...]:
-    """Return the alternatives of a type, without those of a Literal taken apart."""
+    """Return the alternatives of a union; another type, also a Literal, is its only one."""
     return get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
 
 
@@ -248,10 +248,8 @@ def _in_words(kind: Any) -> str:
     if get_origin(kind) is tuple:
         inside = get_args(kind)
         words = [" or ".join(map(_in_words, choices(x))) for x in inside if x is not Ellipsis]
-        return (
-            f"a tuple, each {words[0]}"
-            if len(words) < len(inside)
-            else (f"a pair of {' and '.join(words)}")
-        )
+        if inside[-1] is Ellipsis:
+            return f"a tuple, each {words[0]}"
+        return f"a pair of {' and '.join(words)}"
     names = {float: "a number", int: "a whole number", bool: "True or False", str: "text"}
     return "None" if kind is NoneType else names.get(kind, f"a {kind.__name__}")

@@ -103,5 +103,5 @@ def _best_cycles(paths: Sequence[Path], mirror: bool) -> tuple[list[Cycle], list
 def _shares(mixing: BlendOptions, count: int) -> Sequence[float]:
     shares = mixing.shares or [1.0 / count] * count
     if len(shares) != count:
-        raise ValueError(f"expected shares as {count} numbers, found {len(shares)}")
+        raise ValueError(f"expected one share a capture, {count} in all, found {len(shares)}")
     return shares

@@ -50,7 +50,7 @@ Directory = Annotated[
 ]
 File = Annotated[
     Path,
-    typer.Option("-o", "--file", help="File to write: BVH, AMC, GLB or GLTF.", show_default=False),
+    typer.Option("-o", "--file", help="File to write: {writers}.", show_default=False),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the results as JSON.")]
 Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]

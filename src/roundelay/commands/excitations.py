@@ -26,9 +26,6 @@ from roundelay.timeline.options import Options, ShownOptions
 if TYPE_CHECKING:
     from roundelay.timeline.proposals.excitation import Excitation
 
-# Seconds of a typical period, by which velocity is weighed unless told otherwise.
-_PERIOD = 1.0
-
 
 @takes(search=only(Options, "frames", "joints", "metric", "delay", "prime"), shown=ShownOptions)
 def excitations(
@@ -60,7 +57,7 @@ def excitations(
             point_cloud(motion, joints=chosen)[first:last],
             motion.fps,
             metric=topology.metric,
-            period=_PERIOD if topology.delay is None else 2.0 * pi * topology.delay,
+            **({} if topology.delay is None else {"period": 2.0 * pi * topology.delay}),
             classes=shown.classes,
             prime=topology.prime,
         )

@@ -27,9 +27,6 @@ if TYPE_CHECKING:
     from roundelay.timeline.evidence import Evidence
     from roundelay.timeline.inspection import Inspection
 
-# Classes followed for each motion unless told how many.
-_CLASSES = 5
-
 
 @takes(
     search=all_but(Options, "method", "harmonics", "velocity", "acceleration"),
@@ -59,7 +56,8 @@ def inspect(
         with progress_bar(quiet=json):
             motion = read_capture(capture, skeleton)
             folder = output_directory(output)
-            found = inspect_motion(motion, search, most=shown.classes or _CLASSES)
+            most = {} if shown.classes is None else {"most": shown.classes}
+            found = inspect_motion(motion, search, **most)
         record = _record(motion, capture, search, found)
         from roundelay.output.records import write_json
 

@@ -39,6 +39,12 @@ def _methods() -> str:
     return ", ".join(method_names())
 
 
+def _proposers() -> str:
+    from roundelay.timeline.proposals import proposers
+
+    return ", ".join(proposers.names())
+
+
 def _profiles() -> str:
     from roundelay.loops.profiles import profiles
 
@@ -50,5 +56,6 @@ _LISTS: dict[str, Callable[[], str]] = {
     "writers": _writers,
     "formats": _formats,
     "methods": _methods,
+    "proposers": _proposers,
     "profiles": _profiles,
 }

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import wraps
+from functools import reduce, wraps
 from inspect import Parameter, signature
+from operator import or_
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args, get_origin
 
@@ -141,12 +142,15 @@ def _form(one: Declared) -> str:
 
 def _reader(one: Declared) -> Callable[[Any], Any]:
     """Return what reads and checks an option's text; defaults come as they are."""
+    # Whoever names an option gives it a value: None can only be left out.
+    kinds = [kind for kind in choices(one.kind) if kind is not NoneType]
+    given = replace(one, name=one.flag, kind=reduce(or_, kinds))
 
     def read(text: Any) -> Any:
         if not isinstance(text, str):
             return text
         try:
-            return replace(one, name=one.flag).checked(_read(text, one))
+            return given.checked(_read(text, given))
         except ValueError as error:
             raise typer.BadParameter(str(error)) from None
 
@@ -167,10 +171,11 @@ def _read(text: str, one: Declared) -> Any:
         inside = get_args(kind)
         if inside[-1] is Ellipsis:
             return [_plain(part, inside[0]) for part in text.split(",")]
-        if text.count(":") != 1:
+        start, colon, stop = text.partition(":")
+        span = _plain(start or "0", inside[0]), _plain(stop, inside[1])
+        if not colon or str in map(type, span):
             raise ValueError(f"expected {one.flag} as {_form(one)}, found {text!r}")
-        start, stop = text.split(":")
-        return _plain(start or "0", inside[0]), _plain(stop, inside[1])
+        return span
     return _plain(text, one.kind)
 
 

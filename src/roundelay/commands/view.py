@@ -11,6 +11,7 @@ from roundelay.commands.common import (
     Capture,
     Skeleton,
     one_line_errors,
+    output_directory,
     progress_bar,
     read_capture,
 )
@@ -52,7 +53,7 @@ def view(
             motion = read_capture(capture, skeleton)
             text, note = _page(motion, search, progress)
         path = Path(f"{capture.stem}.html") if output is None else output
-        path.parent.mkdir(parents=True, exist_ok=True)
+        output_directory(path.parent)
         with written_beside(path) as part:
             part.write_text(text, encoding="utf-8")
         typer.echo(f"{path}: {note}; {len(text) / 1e3:.0f} kB")

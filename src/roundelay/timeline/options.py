@@ -153,7 +153,9 @@ class Options(Checked):
         "by default where nothing is periodic.",
     )
     proposers: tuple[str, ...] | None = option(
-        None, "Who proposes what may repeat, in this order.", form="NAME,NAME,..."
+        None,
+        "Who proposes what may repeat, in this order, of {proposers}.",
+        form="NAME,NAME,...",
     )
     most: int | None = option(
         None, "At most so many periodic motions, the surest first.", least=1, label="Max Loops"
@@ -169,9 +171,12 @@ class Options(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        for name in ("joints", "proposers"):
+            if getattr(self, name) == ():
+                raise ValueError(f"expected {name} as at least one name, or None, found none")
         if self.method != "paper" and not (self.velocity and self.acceleration):
             raise ValueError(
-                'only the method "paper" has velocities and accelerations to leave out, '
+                "expected velocity and acceleration to be left out of the method 'paper' only, "
                 f"found {self.method!r}"
             )
 

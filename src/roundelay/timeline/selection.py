@@ -57,7 +57,7 @@ def find_evidence(search: Search, progress: Progress | None = None) -> list[Evid
             return found[: search.options.most]
         if proposer.name in _TELLING or search.options.proposers is not None:
             refused += reasons
-    if search.options.gestures:
+    if search.options.gestures and search.options.proposers is None:
         raise NoPeriod("; ".join(["no gesture recurs", *map(str, reasons[:3])]))
     raise no_period(refused)
 

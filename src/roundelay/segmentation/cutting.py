@@ -23,7 +23,7 @@ from roundelay.segmentation.ppca import PPCAOptions
 from roundelay.segmentation.result import Segment, Segmentation
 from roundelay.segmentation.thresholds import MODEL
 
-__all__ = ["method_names", "segment", "segment_channels", "segmented"]
+__all__ = ["checked_method", "method_names", "segment", "segment_channels", "segmented"]
 
 # Names for options of a method: all choices of [B] itself.
 _PAPER: dict[str, Any] = {"ppca-paper": PPCAOptions.paper(), "gmm-paper": GMMOptions.paper()}
@@ -113,6 +113,21 @@ def method_names() -> tuple[str, ...]:
     return (*segmentation_methods.names(), *_PAPER)
 
 
+def checked_method(name: str) -> str:
+    """Return a name that `segment` takes.
+
+    Raises
+    ------
+    ValueError
+        If there is no method of that name; the message lists those that are known.
+    """
+    # Plug-ins are not looked for where one of ours has the name.
+    if name not in _PAPER and all(name != method.name for method in segmentation_methods):
+        names = method_names()
+        raise ValueError(f"expected a segmentation method among {names}, found {name!r}")
+    return name
+
+
 def _chosen(
     method: Any, sensitivity: float, n_segments: int | None
 ) -> tuple[SegmentationMethod, Any]:
@@ -122,18 +137,11 @@ def _chosen(
         return segmentation_methods["gaussian"], options
     if sensitivity != 1.0 or n_segments is not None:
         raise ValueError("expected sensitivity and n_segments with the method 'gaussian' only")
-    if isinstance(method, str) and method not in _PAPER:
-        named = _named(method)
+    if isinstance(method, str) and checked_method(method) not in _PAPER:
+        named = segmentation_methods[method]
         return named, named.options
     options = _PAPER[method] if isinstance(method, str) else method
     return _method_of(options), options
-
-
-def _named(name: str) -> SegmentationMethod:
-    for method in segmentation_methods:
-        if method.name == name:
-            return method
-    raise ValueError(f"expected a method among {method_names()}, found {name!r}")
 
 
 def _method_of(options: object) -> SegmentationMethod:

@@ -81,7 +81,7 @@ class SegmentationMethod(Protocol):
 
     @property
     def name(self) -> str:
-        """How `roundelay.segment` and ``roundelay segment --method`` name it."""
+        """How `roundelay.segment` and ``roundelay segment --cut-by`` name it."""
         ...
 
     @property

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from roundelay.base.options import Checked, option
-from roundelay.segmentation.cutting import method_names
+from roundelay.segmentation.cutting import checked_method
 from roundelay.segmentation.gaussian import GaussianOptions
 
 __all__ = ["SegmentOptions"]
@@ -36,10 +36,7 @@ class SegmentOptions(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.method not in method_names():
-            raise ValueError(
-                f"expected a segmentation method among {method_names()}, found {self.method!r}"
-            )
+        checked_method(self.method)
         if self.method != "gaussian" and self.gaussian != GaussianOptions():
             raise ValueError(
                 f"expected options of the method 'gaussian' with that method, found {self.method!r}"

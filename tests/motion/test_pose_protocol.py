@@ -56,7 +56,7 @@ def test_anything_with_the_attributes_can_be_searched(walk):
     assert rl.find_periodic(markers)[0].period / 60.0 == pytest.approx(1.1, rel=0.02)
     chosen = rl.Options(joints=tuple(legs[:2]))
     assert rl.find_periodic(markers, chosen)[0].period / 60.0 == pytest.approx(1.1, rel=0.02)
-    with pytest.raises(rl.SkeletonMismatch, match="no joint 'Tail'"):
+    with pytest.raises(rl.SkeletonMismatch, match="no point 'Tail'"):
         rl.find_periodic(markers, rl.Options(joints=("Tail",)))
 
 
@@ -94,3 +94,10 @@ def test_wrong_arrays_are_refused(wrong, message):
     sound = {"names": ("a", "b"), "values": np.zeros((30, 2, 3)), "fps": 30.0}
     with pytest.raises(ValueError, match=message):
         PoseArray(**(sound | wrong))
+
+
+def test_an_array_may_be_given_as_lists(walk):
+    shown = plain(walk)
+    nothing = np.zeros(shown.values.shape[:2], bool)
+    lists = PoseArray(shown.names, shown.values.tolist(), 60.0, missing=nothing.tolist())
+    assert np.array_equal(points_of(lists), points_of(shown))

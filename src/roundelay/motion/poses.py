@@ -87,14 +87,17 @@ class PoseArray:
     missing: Mask | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        shape = np.shape(self.values)
+        object.__setattr__(self, "values", np.asarray(self.values, float))
+        shape = self.values.shape
         if len(shape) != 3 or shape[1] != len(self.names):
             expected = f"(F, {len(self.names)}, d) for {len(self.names)} names"
             raise ValueError(f"expected values of shape {expected}, found {shape}")
-        seen = np.ones(shape[:2], bool) if self.missing is None else ~np.asarray(self.missing)
+        if self.missing is not None:
+            object.__setattr__(self, "missing", np.asarray(self.missing, bool))
+        seen = np.ones(shape[:2], bool) if self.missing is None else ~self.missing
         if seen.shape != shape[:2]:
             raise ValueError(f"expected a mask of shape {shape[:2]}, found {seen.shape}")
-        if not np.all(np.isfinite(np.asarray(self.values, float)[seen])):
+        if not np.all(np.isfinite(self.values[seen])):
             raise ValueError("expected finite values where none is missing, found NaN or infinity")
         for what, number in (("frame rate", self.fps), ("size", self.size)):
             if not (np.isfinite(number) and number > 0.0):
@@ -113,7 +116,7 @@ def point_indices(poses: Poses, names: Sequence[str]) -> list[int]:
     for name in names:
         if name not in places:
             known = ", ".join(poses.names)
-            raise SkeletonMismatch(f"no joint {name!r}; the joints are {known}")
+            raise SkeletonMismatch(f"no point {name!r}; the points are {known}")
     return [places[name] for name in names]
 
 
@@ -141,7 +144,7 @@ def points_of(poses: Poses, chosen: Sequence[int] | None = None) -> Array:
         seen = ~missing.all(axis=0)
         values = _bridged(values[:, seen], missing[:, seen])
     if not values.shape[1]:
-        raise SkeletonMismatch("expected at least one joint besides the root, found none")
+        raise SkeletonMismatch("expected at least one point, not counting the root, found none")
     return values.reshape(len(values), -1)
 
 

@@ -23,7 +23,7 @@ from typing import Any
 from benchmarks._harness import Target, parser, report
 
 TOLERANCE = 1e-12
-ASIDE = ("options", "version")
+ASIDE = ("options", "roundelay")
 NOW = Path(sys.executable).with_name("roundelay")
 TARGETS = (
     Target("captures", ">=", 20, "captures looped by both"),

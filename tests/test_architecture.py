@@ -8,15 +8,8 @@ from pathlib import Path
 
 import pytest
 
-import roundelay
 from roundelay.base.errors import FormatError
 from roundelay.base.files import written_beside
-
-
-def test_all_public_names_exist_and_are_documented():
-    assert list(roundelay.__all__) == sorted(roundelay.__all__)
-    for name in roundelay.__all__:
-        assert getattr(roundelay, name).__doc__, name
 
 
 def test_what_a_user_looks_at_is_shown_in_a_line(jumps, jump_cycles):

@@ -41,7 +41,7 @@ _LOCK = 1e-10
 
 
 def identity(*shape: int) -> Array:
-    """Return identity rotations of shape (*shape, 4)."""
+    """Return identity rotations (..., 4) of a shape."""
     result = np.zeros((*shape, 4))
     result[..., 0] = 1.0
     return result

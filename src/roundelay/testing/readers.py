@@ -78,7 +78,8 @@ def _check_good(subject: Subject, path: Path) -> None:
     again = _read(subject, path, "a sample")
     subject.expect(same_motion(motion, again), "the same motion again", "another")
     loud = path.with_suffix(path.suffix.upper())
-    shutil.copy(path, loud) if not loud.exists() else None
+    if not loud.exists():
+        shutil.copy(path, loud)
     again = _read(subject, loud, "a file with its suffix in capitals")
     subject.expect(same_motion(motion, again), "the same motion of suffixes in capitals", "another")
     subject.expect(path.read_bytes() == before, "a sample left as it is", "a changed one")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 from roundelay.base.spans import Spans
 from roundelay.timeline.search import Search
@@ -46,17 +46,13 @@ class Proposal:
     rate: float | None = None
 
 
-@runtime_checkable
 class Proposer(Protocol):
-    """Propose what may repeat in a take.
+    """Propose what may repeat in a take."""
 
-    Attributes
-    ----------
-    name : str
-        How `Options.proposers` names it.
-    """
-
-    name: str
+    @property
+    def name(self) -> str:
+        """How `Options.proposers` names it."""
+        ...
 
     def propose(self, search: Search) -> Iterable[Proposal]:
         """Propose frames, the most promising first.

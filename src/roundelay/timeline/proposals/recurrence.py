@@ -108,7 +108,7 @@ def candidate_parts(points: ArrayLike, fps: float) -> list[Part]:
     Parameters
     ----------
     points : (n, d) array_like
-        One point a frame, as from `roundelay.motion.poses.point_cloud`.
+        One point a frame, as from `roundelay.point_cloud`.
     fps : float
         Frames a second.
 

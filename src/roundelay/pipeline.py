@@ -182,8 +182,8 @@ def with_periods(
     Cancelled
         If `progress` returned False.
     """
-    segments = []
-    for number, (segment, clip) in enumerate(zip(found.segments, found.clips(motion), strict=True)):
+    segments, clips = [], expected(Segmentation, found).clips(expected(Motion, motion))
+    for number, (segment, clip) in enumerate(zip(found.segments, clips, strict=True)):
         report(progress, number / len(found), "looking for periods")
         segments.append(replace(segment, period=_period(clip, options)))
     return replace(found, segments=tuple(segments))

@@ -155,6 +155,11 @@ def gait(
     Returns
     -------
     Synthetic
+
+    Raises
+    ------
+    ValueError
+        If the kind is unknown.
     """
     if kind not in get_args(Gait):
         raise ValueError(f"expected a gait among {get_args(Gait)}, found {kind!r}")

@@ -235,6 +235,10 @@ def test_bad_sources_are_refused(tmp_path):
         rl.build_library(tmp_path, tmp_path / "library", jobs=0)
     with pytest.raises(ValueError, match="expected fps as a number, more than 0"):
         rl.LoopOptions(fps=0.0)
+    with pytest.raises(TypeError, match="expected a LoopOptions, found int"):
+        rl.build_library(tmp_path, tmp_path / "library", 3)
+    with pytest.raises(ValueError, match=r"expected a profile among .*, found 'arcade'"):
+        rl.LoopOptions(profile="arcade")
     with pytest.raises(ValueError, match="found 'fbx'"):
         rl.LoopOptions(file_format="fbx")
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]

@@ -1,1 +1,1 @@
-"""What every room stands on: errors, options, registries, spans of frames, files, progress."""
+"""What every room stands on: errors, options, thresholds, registries, spans, files, threads."""

@@ -1,4 +1,4 @@
-"""What is given at the door: checked there, so that no error comes from deep inside."""
+"""Checks of what a caller gives: a wrong type is named before anything is computed."""
 
 from __future__ import annotations
 

@@ -107,9 +107,9 @@ def _pair(span: Any) -> Span:
 
 
 def closed_spans(mask: Mask) -> list[Span]:
-    """List the ranges in which a mask (F,) of a period is true, each told where it begins.
+    """List the ranges in which a mask (F,) of one period is true, each once.
 
-    The second number lies beyond F where the range goes on across the seam.
+    A range that goes on across the seam is listed where it begins, and its stop lies beyond F.
     """
     if mask.all():
         return [(0, len(mask))]

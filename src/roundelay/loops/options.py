@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from roundelay.base.options import Checked, option
 from roundelay.formats import checked_format
+from roundelay.loops.profiles import profiles
 from roundelay.motion.motion import FASTEST
 
 __all__ = ["LoopOptions"]
@@ -65,6 +66,7 @@ class LoopOptions(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         checked_format(self.file_format)
+        profiles[self.profile]  # refuses a name that is not known
 
     @property
     def sampling(self) -> dict[str, Any]:

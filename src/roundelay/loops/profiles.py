@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -13,8 +13,10 @@ from roundelay.cycles.contacts import standing_feet
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.separate import Mended
 from roundelay.geometry.collision import collisions
-from roundelay.loops.options import LoopOptions
 from roundelay.motion.motion import Motion
+
+if TYPE_CHECKING:
+    from roundelay.loops.options import LoopOptions
 
 __all__ = ["Generic", "Profile", "foot_contacts", "limb_record", "profiles"]
 

@@ -219,7 +219,13 @@ class Motion:
         )
 
     def scaled(self, factor: float) -> Motion:
-        """Return the motion with every length multiplied by a positive factor."""
+        """Return the motion with every length multiplied by a factor.
+
+        Raises
+        ------
+        ValueError
+            If the factor is not positive and finite.
+        """
         if not (np.isfinite(factor) and factor > 0.0):
             raise ValueError(f"expected a positive scale, found {factor}")
         moved = self.translations

@@ -145,7 +145,13 @@ def extract(values: ArrayLike, options: PaperOptions | None = None) -> PaperCycl
 
 
 def delay_embedding(values: ArrayLike, delay: int) -> Array:
-    """Return rows (F - delay, (delay + 1) d) of successive rows (F, d) ([C] eq. 3.26)."""
+    """Return rows (F - delay, (delay + 1) d) of successive rows (F, d) ([C] eq. 3.26).
+
+    Raises
+    ------
+    TooShort
+        If there are no more frames than the delay.
+    """
     y = np.asarray(values, float)
     count = len(y) - delay
     if count < 1:

@@ -1,4 +1,4 @@
-"""From candidate parts to a phase: topology's verdict on whether and how a motion is periodic.
+"""Evidence: what topology measures of proposed frames, for the verdict to judge.
 
 The poses of one motion, with their velocities, form a closed curve if it is periodic. Its
 barcode says whether there is one loop and no other; its circular coordinate, over time, whether

@@ -73,6 +73,8 @@ class Search:
             If the frames of the options are not all there.
         NoPeriod
             If nothing moves.
+        TypeError
+            If it is neither, or the options are of another type.
         """
         poses, joints = _poses(take, options)
         frames = len(poses.values)
@@ -82,7 +84,7 @@ class Search:
         points = points_of(poses, chosen)
         span = _span(points, options)
         if np.ptp(points[slice(*span)], axis=0).max() < SEARCH.still:
-            raise NoPeriod("no periodic motion found: no joint moves against the root")
+            raise NoPeriod("no periodic motion found: nothing moves against the root")
         whole = None if chosen is not None else poses
         return cls(points, poses.fps, span, _step(poses.fps, span), options, whole)
 
@@ -105,7 +107,9 @@ def _poses(take: Motion | Poses, options: Options) -> tuple[Poses, tuple[str, ..
     """Return the poses of a take, and the points that the options choose among them."""
     joints = expected(Options, options).joints
     if not isinstance(take, Motion):
-        return expected(Poses, take), joints  # type: ignore[type-abstract]
+        if not isinstance(take, Poses):
+            raise TypeError(f"expected a Motion or Poses, found {type(take).__name__}")
+        return take, joints
     take = take.with_root_motion()
     if joints is not None:
         take.skeleton.indices(joints)

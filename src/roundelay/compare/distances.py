@@ -2,7 +2,7 @@
 
 Two signatures of a periodic motion need no alignment by hand: its barcode, which says at which
 scales its poses form loops, and its cycle, brought into phase and heading with another. A list
-of captures is searched and clustered by either.
+of captures is clustered by either; `roundelay.library` searches thousands.
 """
 
 from __future__ import annotations
@@ -24,7 +24,6 @@ __all__ = [
     "cluster",
     "cycle_distance",
     "distance_matrix",
-    "search",
     "wasserstein_distance",
 ]
 
@@ -141,15 +140,6 @@ def distance_matrix(items: Sequence[Item], distance: Callable[[Item, Item], floa
         for j in range(i):
             result[i, j] = result[j, i] = distance(item, items[j])
     return result
-
-
-@one_thread
-def search(
-    query: Item, items: Sequence[Item], distance: Callable[[Item, Item], float]
-) -> list[tuple[int, float]]:
-    """List the items' numbers with their distances from a query, nearest first."""
-    found = [(number, distance(query, item)) for number, item in enumerate(items)]
-    return sorted(found, key=lambda pair: pair[1])
 
 
 @one_thread

@@ -13,7 +13,7 @@ TABLE = np.zeros((100, 5))
 
 WRONG = {
     "find_cycles": (lambda: rl.find_cycles(TABLE), "a Motion, found ndarray"),
-    "find_periodic": (lambda: rl.find_periodic(TABLE), "a Poses, found ndarray"),
+    "find_periodic": (lambda: rl.find_periodic(TABLE), "a Motion or Poses, found ndarray"),
     "options": (lambda: rl.find_cycles(MOTION, {"joints": 3}), "an Options, found dict"),
     "searched": (lambda: rl.find_periodic(MOTION, "fast"), "an Options, found str"),
     "make_cycle": (lambda: rl.make_cycle(MOTION, None), "an Evidence, found NoneType"),

@@ -139,12 +139,14 @@ def test_every_constant_tells_its_unit_and_origin():
 
 def test_every_constant_has_a_measured_margin():
     """After a constant is added or changed: python -m benchmarks.sensitivity --only NAME --keep."""
-    measured = {row["name"]: row["value"] for row in json.loads(RESULTS.read_text())["constants"]}
+    kept = json.loads(RESULTS.read_text())
+    measured = {row["name"]: row["value"] for row in kept["constants"]}
     now = {
         one.name: list(one.value) if isinstance(one.value, tuple) else one.value
         for one in constants()
     }
     assert measured == now
+    assert kept["summary"]["constants"] == len(now)
 
 
 def test_a_record_cannot_be_changed_but_for_a_while():

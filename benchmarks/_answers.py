@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import roundelay as rl
-from benchmarks._yardstick import body
 
 
 @dataclass(frozen=True)
@@ -32,37 +30,18 @@ class Found:
 def answers(motion: rl.Motion) -> list[Found]:
     """Return what is cyclic or closed by default options; nothing where a take is refused."""
     try:
-        understand = getattr(rl, "understand", None)
-        if understand is None:
-            return list(_answers_of_evidence(motion))
-        behaviours = understand(motion).behaviours
+        behaviours = rl.understand(motion).behaviours
     except rl.RoundelayError:
         return []
     return [
         Found(
             each.kind,
-            tuple((int(start), int(stop)) for start, stop in each.spans),
-            float(each.period),
-            float(each.repetitions),
-            tuple(each.joints),
-            None if each.probability is None else float(each.probability),
+            tuple(each.spans),
+            each.period,
+            each.repetitions,
+            each.joints,
+            each.probability,
         )
         for each in behaviours
         if each.kind in ("cyclic", "closed")
     ]
-
-
-def _answers_of_evidence(motion: rl.Motion) -> Iterator[Found]:
-    """Adapt `find_periodic`: to be deleted with it."""
-    seen = body(motion[:1])
-    arms = {joint for arm in seen.hands for joint in arm}
-    for each in rl.find_periodic(motion.with_root_motion()):
-        named = arms if each.limbs == "arms" else range(1, len(seen.names))
-        yield Found(
-            "closed" if each.closed else "cyclic",
-            tuple(each.runs),
-            each.period / motion.fps,
-            each.repetitions,
-            tuple(seen.names[joint] for joint in sorted(named)),
-            None if each.closed else each.confidence,
-        )

@@ -196,4 +196,6 @@ def ends_apart(body: Body, joints: Iterable[str], span: tuple[int, int]) -> tupl
     gap = places[-1] + np.linspace(0.0, 1.0, 5)[:, None] * last / reach - places[0]
     moved = max(float(np.sqrt(places.var(axis=0).sum())), 1e-12)
     usual = max(float(np.sqrt((speed**2).sum(axis=1).mean())), 1e-12)
-    return np.linalg.norm(gap, axis=1).min() / moved, float(np.linalg.norm(last - first)) / usual
+    return float(np.linalg.norm(gap, axis=1).min()) / moved, float(
+        np.linalg.norm(last - first)
+    ) / usual

@@ -54,6 +54,19 @@ from roundelay.topology import count_classes, persistent_cohomology, turns
 from roundelay.topology.toroidal import toroidal_coordinates
 
 LABELLED = {"_topology": "roundelay.topology, as a library"}
+UNDERSTANDING = tuple(
+    f"timeline.{record}."
+    for record in (
+        "limbs",
+        "predictability",
+        "alignment",
+        "prediction",
+        "account",
+        "tempo",
+        "judgement",
+        "closing",
+    )
+)
 FACTORS = {"x0.8": 0.8, "x1.2": 1.2}
 KINDS = ("fails", "shows", "number", "period", "figures")
 LONGEST = 3000
@@ -224,6 +237,8 @@ def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
         "topology.significance": _classes,
         "topology.lattice": _classes,
     }
+    if one.name.startswith(UNDERSTANDING):
+        return _understood
     return records.get(f"{room}.{record}") or rooms.get(room) or _found
 
 
@@ -238,6 +253,20 @@ def _guarded(work: Callable[[], Outcome]) -> Outcome:
 
 def _found() -> Iterator[Outcome]:
     return (_guarded(lambda m=motion: _cycle_of(m, Options())) for motion in _MOTIONS)
+
+
+def _understood() -> Iterator[Outcome]:
+    """Whole takes: of every second capture."""
+    return (_guarded(lambda m=motion: _timeline_of(m)) for motion in _MOTIONS[::2])
+
+
+def _timeline_of(motion: rl.Motion) -> Outcome:
+    told = rl.understand(motion)
+    if not told.behaviours:
+        return Outcome()
+    first = told.behaviours[0]
+    figures = (first.probability or 0.0, first.repetitions, float(len(first.limbs)))
+    return Outcome(len(told.behaviours), first.period, figures)
 
 
 def _centroids() -> Iterator[Outcome]:

@@ -254,7 +254,7 @@ def _judged(seen: Body | None, found: Found) -> Judged:
         return Judged(found, np.nan, np.nan, np.nan, False)
     if found.kind == "closed":
         apart = ends_apart(seen, found.joints, found.spans[0])
-        meet = apart[0] <= _POSE_APART and apart[1] <= _SPEED_APART
+        meet = bool(apart[0] <= _POSE_APART and apart[1] <= _SPEED_APART)
         return Judged(found, np.nan, np.nan, np.nan, meet, apart)
     how = measured(seen, found.joints, found.spans, found.period)
     return Judged(found, how.half, how.once, how.twice, how.passes)

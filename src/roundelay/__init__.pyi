@@ -34,12 +34,17 @@ from roundelay.loops.quality import quality as quality
 from roundelay.motion.features import point_cloud as point_cloud
 from roundelay.motion.motion import Motion as Motion
 from roundelay.motion.motion import concatenate as concatenate
+from roundelay.motion.poses import PoseArray as PoseArray
+from roundelay.motion.poses import Poses as Poses
 from roundelay.pipeline import find_cycles as find_cycles
 from roundelay.pipeline import find_periodic as find_periodic
 from roundelay.pipeline import make_cycle as make_cycle
+from roundelay.pipeline import understand as understand
 from roundelay.pipeline import with_periods as with_periods
 from roundelay.segmentation import Segmentation as Segmentation
 from roundelay.segmentation import segment as segment
+from roundelay.timeline.behaviours import Behaviour as Behaviour
+from roundelay.timeline.behaviours import Timeline as Timeline
 from roundelay.timeline.evidence import Evidence as Evidence
 from roundelay.timeline.options import Options as Options
 from roundelay.timeline.options import TopologyOptions as TopologyOptions

@@ -18,6 +18,7 @@ from roundelay.commands.listing import filled
 from roundelay.commands.loop import loop
 from roundelay.commands.search import search
 from roundelay.commands.segment import segment
+from roundelay.commands.timeline import timeline
 from roundelay.commands.view import view
 
 __all__ = ["app"]
@@ -69,6 +70,7 @@ app = typer.Typer(
 for command in (
     loop,
     segment,
+    timeline,
     inspect,
     excitations,
     view,

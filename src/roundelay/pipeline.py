@@ -28,6 +28,8 @@ from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses
 from roundelay.phase.tempo import time_phase
 from roundelay.segmentation.result import Segmentation
+from roundelay.timeline.assembly import timeline_of
+from roundelay.timeline.behaviours import Timeline
 from roundelay.timeline.evidence import Evidence
 from roundelay.timeline.options import Options
 from roundelay.timeline.search import Search
@@ -39,6 +41,7 @@ __all__ = [
     "find_cycles",
     "find_periodic",
     "make_cycle",
+    "understand",
     "with_periods",
 ]
 
@@ -140,6 +143,32 @@ def find_periodic(
         The one most often and most surely repeated first.
     """
     return find_evidence(Search.of_take(take, options or Options()), progress)
+
+
+@one_thread
+def understand(take: Motion, *, progress: Progress | None = None) -> Timeline:
+    """Tell what repeats in a take, limb by limb, and how sure that is.
+
+    Parameters
+    ----------
+    take : Motion
+    progress : callable, optional
+        Called with the fraction done and the stage's name; returning False cancels.
+
+    Returns
+    -------
+    Timeline
+        Behaviours that repeat, each with its frames, limbs, period and probability; one closed
+        pass where nothing repeats; neutral poses of an exporter.
+
+    Raises
+    ------
+    TooShort
+        If there are fewer than 8 frames.
+    Cancelled
+        If `progress` returned False.
+    """
+    return timeline_of(take, progress)
 
 
 def _phase(search: Search, evidence: Evidence) -> NDArray[np.float64]:

@@ -7,15 +7,25 @@ from dataclasses import dataclass
 from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
 __all__ = [
+    "ACCOUNT",
+    "ALIGNMENT",
     "CLOSED",
+    "CLOSING",
     "CLOUD",
     "EVIDENCE",
     "EXCITATION",
     "GESTURES",
+    "JUDGEMENT",
+    "LIMBS",
+    "PREDICTABILITY",
+    "PREDICTION",
     "RECURRENCE",
     "SEARCH",
+    "TEMPO",
     "VERDICT",
 ]
+
+_SKETCH = "a sketch on 7 sources of captures"
 
 
 @dataclass(frozen=True)
@@ -270,3 +280,359 @@ class _Verdict(Thresholds):
 
 
 VERDICT = _Verdict()
+
+
+@dataclass(frozen=True)
+class _Limbs(Thresholds):
+    """Which parts of a body are limbs, and their signals."""
+
+    rate: float = constant(
+        30.0,
+        unit="frames a second",
+        origin="of the search for what repeats, for speed; " + _SKETCH,
+    )
+    branch: float = constant(
+        0.12,
+        unit="body sizes",
+        origin="shorter branches of the body are fingers and toes; " + _SKETCH,
+    )
+    long: float = constant(
+        0.2,
+        unit="body sizes",
+        origin="shorter chains belong to the trunk; " + _SKETCH,
+    )
+    low: float = constant(
+        0.12,
+        unit="body sizes",
+        origin="a leg ends this near to the lowest joint, in the median; " + _SKETCH,
+    )
+    held: float = constant(
+        0.98,
+        unit="share of the variance",
+        origin="of a limb that its axes hold; " + _SKETCH,
+    )
+    axes: int = constant(5, unit="principal axes", origin="of a limb at most; " + _SKETCH)
+    jump: float = constant(
+        5.0,
+        unit="steps",
+        origin="a frame at either end that lies so much farther off is no part of the movement",
+    )
+
+
+LIMBS = _Limbs()
+
+
+@dataclass(frozen=True)
+class _Predictability(Thresholds):
+    """Stretches in which a period predicts the next."""
+
+    shortest: float = constant(0.2, unit="seconds", origin="of a period; " + _SKETCH)
+    longest: float = constant(60.0, unit="seconds", origin="of a period; " + _SKETCH)
+    octave: int = constant(
+        24,
+        unit="lags an octave",
+        origin="3 % from one to the next; " + _SKETCH,
+    )
+    fills: float = constant(
+        0.62,
+        unit="share of a take",
+        origin="that its longest period may fill; " + _SKETCH,
+    )
+    samples: int = constant(
+        24,
+        unit="samples a lag",
+        origin="on a coarser clock, at least; " + _SKETCH,
+    )
+    least: float = constant(
+        0.012,
+        unit="body sizes",
+        origin="least amplitude, root mean square over joints; " + _SKETCH,
+    )
+    hop: float = constant(0.1, unit="seconds", origin="from one place to the next; " + _SKETCH)
+    explained: float = constant(
+        0.55,
+        unit="S",
+        origin="from which a hop is better explained as periodic; .40 to .55 find as much",
+    )
+    longer: float = constant(
+        0.05,
+        unit="S an octave",
+        origin="the shortest of equals is taken; " + _SKETCH,
+    )
+    wobble: float = constant(0.02, unit="S a lag", origin="cost of a change of lag; " + _SKETCH)
+    switch: float = constant(
+        0.25,
+        unit="S times periods",
+        origin="cost of entering or leaving a period; " + _SKETCH,
+    )
+    other: float = constant(
+        1.5,
+        unit="times the switch",
+        origin="cost of going to another period at once; " + _SKETCH,
+    )
+    reach: int = constant(
+        2,
+        unit="lags",
+        origin="of change from hop to hop, at most; " + _SKETCH,
+    )
+    steady: int = constant(
+        5,
+        unit="lags",
+        origin="from the median within a steady stretch; " + _SKETCH,
+    )
+    periods: float = constant(1.2, unit="periods", origin="that a stretch must be long; " + _SKETCH)
+    same: float = constant(
+        0.8,
+        unit="share of frames",
+        origin="that two stretches share which are one; " + _SKETCH,
+    )
+    near: float = constant(
+        0.05,
+        unit="log of periods",
+        origin="apart, of two stretches which are one; " + _SKETCH,
+    )
+    clearer: float = constant(
+        0.02,
+        unit="S",
+        origin="by which a stretch e times as long may be less clear; " + _SKETCH,
+    )
+
+
+PREDICTABILITY = _Predictability()
+
+
+@dataclass(frozen=True)
+class _Alignment(Thresholds):
+    """Alignment of a stretch to its own repeating template."""
+
+    states: int = constant(64, unit="phases", origin="of the template; " + _SKETCH)
+    samples: int = constant(32, unit="samples a period", origin=_SKETCH)
+    grid: int = constant(
+        48,
+        unit="phases",
+        origin="at which repetitions are compared; " + _SKETCH,
+    )
+    tempo: tuple[float, ...] = constant(
+        (0.06, 0.03, 0.0, 0.012, 0.03),
+        unit="variances",
+        origin="costs of 0, 1/2, 1, 3/2 and 2 times the usual tempo; thrice as much finds as much",
+    )
+    unexplained: float = constant(
+        0.35,
+        unit="variances",
+        origin="beyond which a sample is not explained; " + _SKETCH,
+    )
+    farthest: float = constant(
+        4.0,
+        unit="variances",
+        origin="the largest distance that counts; " + _SKETCH,
+    )
+    rounds: int = constant(2, unit="rounds", origin="of alignment and averaging; " + _SKETCH)
+    turns: float = constant(
+        0.5,
+        unit="turns",
+        origin="of a run that counts, at least; " + _SKETCH,
+    )
+    passed: float = constant(
+        0.75,
+        unit="share of the circle",
+        origin="that must be passed; " + _SKETCH,
+    )
+    fewest: int = constant(4, unit="phases", origin="that a repetition must pass; " + _SKETCH)
+
+
+ALIGNMENT = _Alignment()
+
+
+@dataclass(frozen=True)
+class _Prediction(Thresholds):
+    """Prediction of each repetition by the others."""
+
+    beyond: float = constant(
+        1.5,
+        unit="periods",
+        origin="beyond a candidate's ends that are looked at; " + _SKETCH,
+    )
+    held: float = constant(
+        0.98,
+        unit="share of the variance",
+        origin="of a group that its axes hold; " + _SKETCH,
+    )
+    axes: int = constant(6, unit="principal axes", origin="of a group at most; " + _SKETCH)
+    repeats: float = constant(
+        0.3, unit="R^2", origin="from which a limb repeats; .5 leaves out one leg of many a walk"
+    )
+    coarse: float = constant(
+        1.5,
+        unit="samples a step",
+        origin="beyond which samples are averaged; " + _SKETCH,
+    )
+    certain: float = constant(
+        1e-3,
+        unit="1 - R^2",
+        origin="beyond which a prediction is not clearer; " + _SKETCH,
+    )
+
+
+PREDICTION = _Prediction()
+
+
+@dataclass(frozen=True)
+class _Account(Thresholds):
+    """The best account of every frame of every limb."""
+
+    fewest: float = constant(1.3, unit="repetitions", origin="at least; " + _SKETCH)
+    change: float = constant(
+        1.5, unit="nats", origin="that a change of the account must bring; .5 to 6 find as much"
+    )
+    counts: float = constant(
+        0.45,
+        unit="R^2",
+        origin="of a limb in a repetition that counts; .3 to .6 find as much in 408 captures",
+    )
+    clearest: float = constant(
+        50.0,
+        unit="1 / (1 - R^2)",
+        origin="beyond which a repetition is not clearer; " + _SKETCH,
+    )
+    run: float = constant(0.6, unit="periods", origin="that a run must be long; " + _SKETCH)
+    whole: float = constant(
+        0.97,
+        unit="share of the samples",
+        origin="from which a candidate is not measured again; " + _SKETCH,
+    )
+    fresh: float = constant(
+        0.5,
+        unit="share of the samples",
+        origin="in which a limb must be unexplained before; " + _SKETCH,
+    )
+
+
+ACCOUNT = _Account()
+
+
+@dataclass(frozen=True)
+class _Tempo(Thresholds):
+    """Pieces in which the tempo is steady."""
+
+    steady: float = constant(
+        0.2,
+        unit="share of the period",
+        origin="within which a tempo is steady; .12 cuts walks to pieces",
+    )
+    worth: float = constant(
+        0.3,
+        unit="share of the deviation",
+        origin="that a cut must take away; " + _SKETCH,
+    )
+    periods: float = constant(1.6, unit="periods", origin="of a piece, at least; " + _SKETCH)
+    gap: float = constant(
+        2.0,
+        unit="periods",
+        origin="beyond which two passages are of different runs; " + _SKETCH,
+    )
+    near: float = constant(
+        0.08,
+        unit="share of the period",
+        origin="within which the lag is refined; " + _SKETCH,
+    )
+    tried: int = constant(17, unit="lags", origin="that are tried; " + _SKETCH)
+
+
+TEMPO = _Tempo()
+
+
+@dataclass(frozen=True)
+class _Judgement(Thresholds):
+    """Named tests of a candidate."""
+
+    correlation: float = constant(
+        0.6,
+        unit="correlation",
+        origin="of poses a period apart, at least: the yardstick of `benchmarks.truth`",
+    )
+    less: float = constant(
+        -0.05,
+        unit="correlation",
+        origin="by which it may be less than at half and twice the period; same yardstick",
+    )
+    fails: float = constant(
+        -0.3,
+        unit="correlation",
+        origin="below the limit, beyond which a test says no more; " + _SKETCH,
+    )
+    passes: float = constant(
+        0.1,
+        unit="correlation",
+        origin="above the limit, beyond which a test says no more; " + _SKETCH,
+    )
+    around: float = constant(
+        0.03,
+        unit="share of the lag",
+        origin="by which half and twice the period may be off; " + _SKETCH,
+    )
+    nats: float = constant(
+        0.3,
+        unit="nats",
+        origin="below which evidence says no more; " + _SKETCH,
+    )
+    slowest: float = constant(
+        0.05,
+        unit="speed of phase",
+        origin="over the usual, below which it says no more; " + _SKETCH,
+    )
+    likely: float = constant(
+        0.5, unit="probability", origin="from which a behaviour is told; the even chance"
+    )
+    half: float = constant(
+        0.1,
+        unit="share of the period",
+        origin="by which half of a closed pass may be off; " + _SKETCH,
+    )
+    exact: float = constant(
+        0.95,
+        unit="correlation",
+        origin="that half of a closed pass must reach; " + _SKETCH,
+    )
+
+
+JUDGEMENT = _Judgement()
+
+
+@dataclass(frozen=True)
+class _Closing(Thresholds):
+    """One pass whose ends meet."""
+
+    longest: float = constant(
+        10.0,
+        unit="seconds",
+        origin="a longer take that ends as it began is no loop; " + BY_EYE,
+    )
+    many: float = constant(
+        0.12,
+        unit="share of the frames",
+        origin="at the end that may be too many; " + _SKETCH,
+    )
+    seam: float = constant(
+        2.5,
+        unit="times",
+        origin="by which velocity may change more at the seam than elsewhere; loops closed by hand",
+    )
+    nearly: float = constant(
+        95.0,
+        unit="percentile",
+        origin="of the changes of velocity; " + _SKETCH,
+    )
+    gap: float = constant(
+        1.75, unit="steps", origin="between the ends; a period of 16.5 frames cut to 16"
+    )
+    clock: int = constant(
+        32,
+        unit="samples a pass",
+        origin="at which velocities are compared; " + _SKETCH,
+    )
+    least: float = constant(0.012, unit="body sizes", origin="least amplitude; as for what repeats")
+    fewest: int = constant(8, unit="frames", origin=BY_EYE)
+
+
+CLOSING = _Closing()

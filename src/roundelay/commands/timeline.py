@@ -1,0 +1,80 @@
+"""``roundelay timeline``: what repeats in a whole take, limb by limb, and how sure that is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from roundelay.commands.common import (
+    Capture,
+    Directory,
+    Json,
+    Skeleton,
+    one_line_errors,
+    output_directory,
+    print_json,
+    progress_bar,
+    read_capture,
+)
+
+if TYPE_CHECKING:
+    from roundelay.timeline.behaviours import Behaviour, Timeline
+
+Uncertain = Annotated[
+    bool, typer.Option("--uncertain", help="List what rather does not repeat, too.")
+]
+
+
+def timeline(
+    capture: Capture,
+    output: Directory = Path("."),
+    skeleton: Skeleton = None,
+    uncertain: Uncertain = False,
+    json: Json = False,
+) -> None:
+    """Tell what repeats in a whole take, limb by limb, and how sure that is.
+
+    Writes NAME_timeline.json and NAME_timeline.csv (a row a stretch, times in seconds). Every
+    repetition is predicted by the others; what is told is more likely than not, and no limb is
+    in two behaviours at the same time. Where nothing repeats, a take whose ends meet is told as
+    one closed pass.
+
+    Exit code 0: the take was looked at, also if nothing repeats; 2: bad input.
+    """
+    from roundelay.base.files import written_beside
+    from roundelay.output.records import write_json
+    from roundelay.pipeline import understand
+
+    with one_line_errors(capture):
+        with progress_bar(quiet=json) as progress:
+            motion, folder = read_capture(capture, skeleton), output_directory(output)
+            told = understand(motion, progress=progress)
+        write_json(told.to_dict(), folder / f"{capture.stem}_timeline.json")
+        with written_beside(folder / f"{capture.stem}_timeline.csv") as part:
+            part.write_text(told.to_csv(), encoding="utf-8")
+        if json:
+            print_json(told.to_dict())
+        else:
+            _print_table(told, capture, uncertain)
+
+
+def _print_table(told: Timeline, capture: Path, uncertain: bool) -> None:
+    seconds = told.n_frames / told.fps
+    typer.echo(f"{capture.name}: {told.n_frames} frames, {seconds:.1f} s; {', '.join(told.limbs)}")
+    shown = [*told.behaviours, *(told.uncertain if uncertain else ())]
+    if not shown:
+        typer.echo("  nothing repeats")
+        return
+    typer.echo("  kind     period  times   sure  limbs; frames")
+    for each in shown:
+        typer.echo(_row(each))
+
+
+def _row(each: Behaviour) -> str:
+    period = "-" if each.kind == "neutral" else f"{each.period:.2f} s"
+    times = f"{each.repetitions:.1f}" if each.kind == "cyclic" else "-"
+    sure = "-" if each.probability is None else f"{each.probability:.0%}"
+    limbs = "all" if each.whole else " + ".join(each.limbs)
+    return f"  {each.kind:8}{period:>7}{times:>7}{sure:>7}  {limbs}; {each.spans}"

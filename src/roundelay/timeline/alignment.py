@@ -1,0 +1,288 @@
+"""Alignment of a stretch to its own repeating template: phase with varying tempo, and pauses.
+
+A hidden Markov model around the circle: the state is the phase, a sample at each costs its
+squared distance to the template over the variance, advancing at twice, half or none of the usual
+tempo costs a little, and a sample that no phase explains costs a fixed share of the variance. The
+template is the mean over the repetitions of the last round. Many stretches are aligned at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.base.numeric import ROUNDING
+from roundelay.base.spans import Spans
+from roundelay.timeline.thresholds import ALIGNMENT
+
+__all__ = ["Aligned", "Stretch", "align_all", "taken_at"]
+
+Array = NDArray[np.float64]
+
+# At most so many numbers are held at once.
+_BLOCK = 8_000_000
+# The mark of a sample before which the template was entered.
+_ENTERED = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Samples of one group of limbs at a period's own clock, 32 samples a period.
+
+    Attributes
+    ----------
+    values : (m, d) ndarray
+    first : float
+        Where the first lies on the body's clock.
+    step : float
+        Samples of the body's clock from one to the next.
+    core : slice
+        The samples that were proposed; the others lie around them.
+    least : float
+        Least amplitude that counts, squared.
+    """
+
+    values: Array
+    first: float
+    step: float
+    core: slice
+    least: float
+
+    @property
+    def variance(self) -> float:
+        """Of the samples proposed, with the least amplitude."""
+        own = self.values[self.core]
+        return float(np.sum(np.var(own, axis=0))) + self.least
+
+
+@dataclass(frozen=True, eq=False)
+class Aligned:
+    """A stretch laid around its template.
+
+    Attributes
+    ----------
+    runs : Spans
+        Of the stretch's samples that the template explains.
+    phase : (m,) ndarray
+        In turns, never falling; NaN where unexplained.
+    times : (R, 48) ndarray
+        When each repetition passes each phase, on the body's clock; NaN where it does not.
+    """
+
+    runs: Spans
+    phase: Array
+    times: Array
+
+
+def taken_at(values: Array, where: Array) -> Array:
+    """Return values (..., d) at fractional places (...) of samples (n, d), NaN at NaN."""
+    known = np.isfinite(where)
+    place = np.clip(np.where(known, where, 0.0), 0.0, len(values) - 1)
+    before = np.minimum(place.astype(np.intp), max(len(values) - 2, 0))
+    part = (place - before)[..., None]
+    after = np.minimum(before + 1, len(values) - 1)
+    found = values[before] * (1.0 - part) + values[after] * part
+    return np.where(known[..., None], found, np.nan)
+
+
+def align_all(stretches: Sequence[Stretch]) -> list[Aligned | None]:
+    """Align each stretch to a template of its own; None where none goes around.
+
+    Parameters
+    ----------
+    stretches : sequence of Stretch
+        Each with at least a period proposed.
+    """
+    templates: list[Array | None] = [_first_template(stretch) for stretch in stretches]
+    found: list[Aligned | None] = [None] * len(stretches)
+    for _ in range(ALIGNMENT.rounds):
+        going = [i for i, template in enumerate(templates) if template is not None]
+        for batch in _batches(stretches, going):
+            own = [(stretches[i], templates[i]) for i in batch]
+            for i, states in zip(batch, _decoded(own), strict=True):  # type: ignore[arg-type]
+                found[i] = _laid(stretches[i], states)
+                templates[i] = _template(stretches[i], found[i])
+    return [
+        one if template is not None else None
+        for one, template in zip(found, templates, strict=True)
+    ]
+
+
+def _first_template(stretch: Stretch) -> Array:
+    """Return the period that the one after it repeats best, averaged with that one."""
+    own = stretch.values[stretch.core]
+    if len(own) >= 2 * ALIGNMENT.samples:
+        apart = np.sum((own[: -ALIGNMENT.samples] - own[ALIGNMENT.samples :]) ** 2, axis=1)
+        sums = np.concatenate([[0.0], np.cumsum(apart)])
+        start = int(np.argmin(sums[ALIGNMENT.samples :] - sums[: -ALIGNMENT.samples]))
+        period = 0.5 * (
+            own[start : start + ALIGNMENT.samples]
+            + own[start + ALIGNMENT.samples : start + 2 * ALIGNMENT.samples]
+        )
+    else:
+        period = own[: ALIGNMENT.samples]
+    ring = np.concatenate([period, period[:1]])
+    return taken_at(ring, np.arange(ALIGNMENT.states) * ALIGNMENT.samples / ALIGNMENT.states)
+
+
+def _batches(stretches: Sequence[Stretch], going: list[int]) -> list[list[int]]:
+    """Put stretches of like length together, as many as memory allows."""
+    batches: list[list[int]] = []
+    longest = 0
+    for i in sorted(going, key=lambda i: -len(stretches[i].values)):
+        if batches and (len(batches[-1]) + 1) * longest * ALIGNMENT.states <= _BLOCK:
+            batches[-1].append(i)
+        else:
+            batches.append([i])
+            longest = len(stretches[i].values)
+    return batches
+
+
+def _decoded(batch: list[tuple[Stretch, Array]]) -> list[NDArray[np.intp]]:
+    """Return the phase state (m,) of every sample, -1 where unexplained: Viterbi's paths.
+
+    The batch is in order of falling length.
+    """
+    lengths = np.array([len(stretch.values) for stretch, _ in batch])
+    cost = np.zeros((lengths[0], len(batch), ALIGNMENT.states), np.float32)
+    for i, (stretch, template) in enumerate(batch):
+        cost[: lengths[i], i] = _costs(stretch, template)
+    back = np.zeros(cost.shape, np.int8)
+    left = np.full((lengths[0], len(batch)), -1, np.int16)
+    best, none = cost[0].copy(), np.full(len(batch), ALIGNMENT.unexplained, np.float32)
+    final = np.zeros(len(batch), np.intp)
+    alive = len(batch)
+    for t in range(1, lengths[0] + 1):
+        while alive and lengths[alive - 1] == t:
+            alive -= 1
+            lowest = int(best[alive].argmin())
+            final[alive] = lowest if best[alive, lowest] < none[alive] else -1
+        if not alive:
+            break
+        _step(best, none, cost[t], back[t], left[t], alive)
+    return [_traced(back[:, i], left[:, i], int(final[i]), lengths[i]) for i in range(len(batch))]
+
+
+def _costs(stretch: Stretch, template: Array) -> Array:
+    x = stretch.values
+    inner = (
+        np.sum(x * x, axis=1)[:, None] + np.sum(template * template, axis=1) - 2 * x @ template.T
+    )
+    return np.minimum(inner / stretch.variance, ALIGNMENT.farthest)
+
+
+def _step(
+    best: NDArray[np.float32],
+    none: NDArray[np.float32],
+    cost: NDArray[np.float32],
+    back: NDArray[np.int8],
+    left: NDArray[np.int16],
+    alive: int,
+) -> None:
+    """Go on by one sample, in place."""
+    now = best[:alive]
+    stay, choice = now.copy(), np.full(now.shape, 2, np.int8)
+    stay[:] = np.roll(now, 2, axis=1)
+    for step in (1, 3, 0, 4):
+        other = np.roll(now, step, axis=1) + np.float32(ALIGNMENT.tempo[step])
+        better = other < stay
+        np.copyto(stay, other, where=better)
+        np.copyto(choice, np.int8(step), where=better)
+    enter = (none[:alive] + _enter())[:, None]
+    fresh = enter < stay
+    np.copyto(choice, np.int8(_ENTERED), where=fresh)
+    lowest = now.argmin(axis=1)
+    leave = now[np.arange(alive), lowest] + _enter()
+    leaves = leave < none[:alive]
+    left[:alive] = np.where(leaves, lowest, -1)
+    none[:alive] = np.minimum(none[:alive], leave) + np.float32(ALIGNMENT.unexplained)
+    back[:alive] = choice
+    best[:alive] = np.where(fresh, enter, stay) + cost[:alive]
+
+
+def _enter() -> np.float32:
+    """Return the cost of entering or leaving: that of a quarter of a period unexplained."""
+    return np.float32(ALIGNMENT.unexplained * ALIGNMENT.samples / 4)
+
+
+def _traced(
+    back: NDArray[np.int8], left: NDArray[np.int16], final: int, length: int
+) -> NDArray[np.intp]:
+    """Follow the choices back from the last sample."""
+    states = np.full(length, -1)
+    state = final
+    for t in range(length - 1, 0, -1):
+        states[t] = state
+        if state < 0:
+            state = int(left[t])
+        else:
+            choice = back[t, state]
+            state = -1 if choice == _ENTERED else (state - int(choice)) % ALIGNMENT.states
+    states[0] = state
+    return states
+
+
+def _laid(stretch: Stretch, states: NDArray[np.intp]) -> Aligned | None:
+    """Turn states into runs, phases and the times of the repetitions."""
+    known = states >= 0
+    advance = np.diff(states) % ALIGNMENT.states
+    runs, phase = [], np.full(len(states), np.nan)
+    for start, stop in Spans.of_mask(known):
+        cuts = start + 1 + np.flatnonzero(advance[start : stop - 1] >= len(ALIGNMENT.tempo))
+        for a, b in zip([start, *cuts.tolist()], [*cuts.tolist(), stop], strict=True):
+            turns = (
+                states[a] + np.concatenate([[0], np.cumsum(advance[a : b - 1])])
+            ) / ALIGNMENT.states
+            turns = _smoothed(turns)
+            if turns[-1] - turns[0] >= ALIGNMENT.turns:
+                phase[a:b] = turns
+                runs.append((a, b))
+    if not runs:
+        return None
+    times = _passages(Spans(runs), phase)
+    return Aligned(Spans(runs), phase, stretch.first + stretch.step * times)
+
+
+def _smoothed(turns: Array) -> Array:
+    """Average a rising phase over an eighth of a period to either side."""
+    width = ALIGNMENT.samples // 8
+    if len(turns) <= 2 * width + 1:
+        return turns
+    before = 2 * turns[0] - turns[width:0:-1]
+    beyond = 2 * turns[-1] - turns[-2 : -width - 2 : -1]
+    sums = np.concatenate([[0.0], np.cumsum(np.concatenate([before, turns, beyond]))])
+    return np.maximum.accumulate((sums[2 * width + 1 :] - sums[: -2 * width - 1]) / (2 * width + 1))
+
+
+def _passages(runs: Spans, phase: Array) -> Array:
+    """Return when (R, 48) each repetition passes each phase, in samples of the stretch."""
+    grid, rows = (np.arange(ALIGNMENT.grid) + 0.5) / ALIGNMENT.grid, []
+    for start, stop in runs:
+        rising = phase[start:stop] + ROUNDING * np.arange(stop - start)
+        turns = np.arange(np.floor(rising[0]), np.ceil(rising[-1]))[:, None] + grid
+        frames = np.arange(start, stop, dtype=float)
+        times = np.interp(turns, rising, frames, left=np.nan, right=np.nan)
+        rows.append(times[np.isfinite(times).sum(axis=1) >= ALIGNMENT.fewest])
+    return np.concatenate(rows)
+
+
+def _template(stretch: Stretch, aligned: Aligned | None) -> Array | None:
+    """Return the mean of the repetitions by phase; None if too little of the circle is passed."""
+    if aligned is None or not len(aligned.times):
+        return None
+    passed = np.isfinite(aligned.times)
+    count = passed.sum(axis=0)
+    if np.mean(count == 0) > 1.0 - ALIGNMENT.passed:
+        return None
+    values = taken_at(stretch.values, (aligned.times - stretch.first) / stretch.step)
+    seen = count > 0
+    mean = np.nansum(values, axis=0)[seen] / count[seen, None]
+    grid = ((np.arange(ALIGNMENT.grid) + 0.5) / ALIGNMENT.grid)[seen]
+    around = np.concatenate([grid - 1.0, grid, grid + 1.0])
+    states = np.arange(ALIGNMENT.states) / ALIGNMENT.states
+    return np.column_stack(
+        [np.interp(states, around, column) for column in np.tile(mean, (3, 1)).T]
+    )

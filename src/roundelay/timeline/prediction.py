@@ -1,0 +1,293 @@
+"""How well each repetition is predicted by the others at the same phase, limb by limb.
+
+One measurement for every candidate, whoever proposed it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.base.numeric import ROUNDING, SMALLEST, TINY
+from roundelay.timeline.alignment import Aligned, Stretch, align_all, taken_at
+from roundelay.timeline.limbs import Body
+from roundelay.timeline.proposals.predictability import Candidate
+from roundelay.timeline.thresholds import ALIGNMENT, PREDICTABILITY, PREDICTION
+
+__all__ = ["Predicted", "predict_all", "within"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Predicted:
+    """A stretch whose repetitions were predicted from each other.
+
+    Attributes
+    ----------
+    candidate : Candidate
+    times : (R, 48) ndarray
+        When each repetition passes each phase, in samples; NaN where it does not.
+    runs : tuple of (float, float)
+        The samples that are explained.
+    period : float
+        Median time of return, in samples.
+    repetitions : float
+        Periods passed.
+    seen : float
+        Periods that others predict.
+    explained : float
+        Share of the variance that is predicted, R^2, of the group.
+    each : (R,) ndarray
+        The same of every repetition.
+    numbers : float
+        Independent numbers that were predicted.
+    slowness : float
+        Standard deviation over that of the rate of change, in periods.
+    limbs : (L,) ndarray
+        R^2 of every limb of the body.
+    amplitudes : (L,) ndarray
+        Root mean square motion of every limb in these frames, in body sizes.
+    limb_each : (L, R) ndarray
+        R^2 of every limb in every repetition.
+    claimed : (L,) ndarray of bool
+        The limbs that move and repeat, and that nothing else explains here.
+    """
+
+    candidate: Candidate
+    times: Array = field(repr=False)
+    runs: tuple[tuple[float, float], ...]
+    period: float
+    repetitions: float
+    seen: float
+    explained: float
+    each: Array = field(repr=False)
+    numbers: float
+    slowness: float
+    limbs: Array = field(repr=False)
+    amplitudes: Array = field(repr=False)
+    limb_each: Array = field(repr=False)
+    claimed: NDArray[np.bool_] = field(repr=False)
+
+    @property
+    def nats(self) -> float:
+        """Evidence that the prediction is no chance."""
+        if self.explained <= 0.0:
+            return 0.0
+        return (
+            0.5 * self.numbers * float(np.log(1.0 / max(1.0 - self.explained, PREDICTION.certain)))
+        )
+
+    @property
+    def share(self) -> float:
+        """Share of the motion in these frames that is that of the claimed limbs."""
+        power = self.amplitudes**2
+        return float(power[self.claimed].sum() / max(float(power.sum()), SMALLEST))
+
+
+def predict_all(body: Body, found: Sequence[Candidate]) -> list[Predicted]:
+    """Align every candidate and predict its repetitions from each other.
+
+    Parameters
+    ----------
+    body : Body
+    found : sequence of Candidate
+
+    Returns
+    -------
+    list of Predicted
+        Without the candidates that do not go around.
+    """
+    groups = body.groups()
+    signals = {name: _group_signal(body, groups[name]) for name in {c.group for c in found}}
+    kept, stretches = [], []
+    for candidate in found:
+        stretch = _stretch(signals[candidate.group], candidate)
+        if len(stretch.values[stretch.core]) >= ALIGNMENT.samples:
+            kept.append(candidate)
+            stretches.append(stretch)
+    return [
+        _predicted(body, candidate, stretch, aligned)
+        for candidate, stretch, aligned in zip(kept, stretches, align_all(stretches), strict=True)
+        if aligned is not None
+    ]
+
+
+def _group_signal(body: Body, members: tuple[int, ...]) -> Array:
+    """Return the principal axes (n, k) of a group of limbs."""
+    x = body.signals[:, body.columns(members)]
+    x = x - x.mean(axis=0)
+    variance, axes = np.linalg.eigh(x.T @ x)
+    variance, axes = np.maximum(variance[::-1], 0.0), axes[:, ::-1]
+    held = np.cumsum(variance) / max(float(variance.sum()), SMALLEST)
+    return np.asarray(
+        x @ axes[:, : min(PREDICTION.axes, 1 + int(np.searchsorted(held, PREDICTION.held)))]
+    )
+
+
+def _stretch(signal: Array, candidate: Candidate) -> Stretch:
+    """Sample a candidate and what lies around it at 32 samples a period."""
+    period = candidate.period
+    first = max(0.0, candidate.start - PREDICTION.beyond * period)
+    last = min(float(len(signal)), np.ceil(candidate.stop + PREDICTION.beyond * period))
+    step = period / ALIGNMENT.samples
+    where = np.arange(first, last - ROUNDING, step)
+    if step > PREDICTION.coarse:
+        # An average over the step, so that nothing faster is mistaken for something slower.
+        width = round(step)
+        sums = np.concatenate([np.zeros((1, signal.shape[1])), np.cumsum(signal, axis=0)])
+        begin = np.clip(np.round(where - width / 2).astype(np.intp), 0, len(signal) - width)
+        values = (sums[begin + width] - sums[begin]) / width
+    else:
+        values = taken_at(signal, where)
+    inside = np.flatnonzero((where >= candidate.start) & (where < candidate.stop))
+    core = slice(int(inside[0]), int(inside[-1]) + 1) if len(inside) else slice(0, 0)
+    return Stretch(values, first, step, core, PREDICTABILITY.least**2)
+
+
+def _predicted(body: Body, candidate: Candidate, stretch: Stretch, aligned: Aligned) -> Predicted:
+    own = stretch.values
+    explained, seen, each = _left_out(_at(own, aligned.times, stretch))
+    inside = np.concatenate([own[run] for run in aligned.runs.slices()])
+    steps = np.concatenate([np.diff(own[run], axis=0) for run in aligned.runs.slices()])
+    dimension, slowness = _dimension(inside), _slowness(inside, steps)
+    turns = [aligned.phase[b - 1] - aligned.phase[a] for a, b in aligned.runs]
+    ends = [
+        (stretch.first + stretch.step * a, stretch.first + stretch.step * b)
+        for a, b in aligned.runs
+    ]
+    limbs, amplitudes, limb_each = _by_limb(body, aligned.times)
+    return Predicted(
+        candidate,
+        aligned.times,
+        tuple(ends),
+        stretch.step * _return_time(aligned),
+        float(sum(turns)),
+        seen,
+        explained,
+        each,
+        max(seen - 1.0, 0.0) * dimension / (np.pi * slowness),
+        slowness,
+        limbs,
+        amplitudes,
+        limb_each,
+        _repeating(limbs, amplitudes),
+    )
+
+
+def _repeating(limbs: Array, amplitudes: Array) -> NDArray[np.bool_]:
+    return (limbs >= PREDICTION.repeats) & (amplitudes >= PREDICTABILITY.least)
+
+
+def _at(values: Array, times: Array, stretch: Stretch) -> Array:
+    return taken_at(values, (times - stretch.first) / stretch.step)
+
+
+def _by_limb(body: Body, times: Array) -> tuple[Array, Array, Array]:
+    """Return R^2 (L,), amplitude (L,) and R^2 of every repetition (L, R) of every limb."""
+    values = taken_at(body.signals, times)
+    explained, amplitudes, each = [], [], []
+    for limb in body.limbs:
+        own = values[:, :, slice(*limb.columns)]
+        limb_explained, _, limb_each = _left_out(own)
+        explained.append(limb_explained)
+        each.append(limb_each)
+        amplitudes.append(np.sqrt(np.nansum(np.nanvar(own.reshape(-1, own.shape[2]), axis=0))))
+    return np.array(explained), np.array(amplitudes), np.array(each)
+
+
+def _left_out(values: Array) -> tuple[float, float, Array]:
+    """Predict every repetition by the mean of the others at the same phase.
+
+    Parameters
+    ----------
+    values : (R, 48, d) ndarray
+        NaN where a repetition does not pass a phase.
+
+    Returns
+    -------
+    explained : float
+        R^2 over all that could be predicted; -1 if nothing could.
+    seen : float
+        Periods that could be predicted.
+    each : (R,) ndarray
+        R^2 of every repetition.
+    """
+    passed = np.isfinite(values[:, :, 0])
+    x = np.where(passed[:, :, None], values, 0.0)
+    count = passed.sum(axis=0)
+    used = passed & (count >= 2)
+    if not used.any():
+        return -1.0, 0.0, np.zeros(len(values))
+    others = (x.sum(axis=0) - x) / np.maximum(count - 1, 1)[:, None]
+    error = np.sum(np.sum((x - others) ** 2, axis=2) * used, axis=1)
+    mean = np.sum(x * used[:, :, None], axis=(0, 1)) / used.sum()
+    spread = np.sum(np.sum((x - mean) ** 2, axis=2) * used, axis=1)
+    floor = PREDICTABILITY.least**2 * used.sum(axis=1)
+    total = max(float((spread + floor).sum()), TINY)
+    each = 1.0 - (error + floor) / np.maximum(spread + floor, TINY)
+    return 1.0 - float((error + floor).sum()) / total, float(used.sum() / ALIGNMENT.grid), each
+
+
+def _dimension(values: Array) -> float:
+    """Return the participation ratio of the principal axes' variances."""
+    centred = values - values.mean(axis=0)
+    covariance = centred.T @ centred
+    return float(np.trace(covariance) ** 2 / max(float(np.sum(covariance**2)), SMALLEST))
+
+
+def _slowness(values: Array, steps: Array) -> float:
+    """Return sigma / sigma' in periods (Taylor's microscale): 1 / (2 pi) for a sinusoid."""
+    spread = float(np.sum(np.var(values, axis=0)))
+    change = float(np.sum(np.mean(steps**2, axis=0))) if len(steps) else 0.0
+    return max(
+        float(np.sqrt(spread / max(change, SMALLEST))) / ALIGNMENT.samples, PREDICTION.certain
+    )
+
+
+def _return_time(aligned: Aligned) -> float:
+    """Return the median time in which the phase gains a turn, in samples of the stretch."""
+    times = []
+    for start, stop in aligned.runs:
+        rising = aligned.phase[start:stop] + ROUNDING * np.arange(stop - start)
+        frames = np.arange(stop - start, dtype=float)
+        times.append(np.interp(rising + 1.0, rising, frames, right=np.nan) - frames)
+    gained = np.concatenate(times)
+    gained = gained[np.isfinite(gained)]
+    if len(gained):
+        return float(np.median(gained))
+    turns = sum(aligned.phase[b - 1] - aligned.phase[a] for a, b in aligned.runs)
+    return float(aligned.runs.total / max(turns, ROUNDING))
+
+
+def within(body: Body, one: Predicted, runs: Sequence[tuple[float, float]]) -> Predicted | None:
+    """Measure the same within some of its samples only; None if no repetition is left."""
+    times, inside = one.times, np.zeros(one.times.shape, bool)
+    for start, stop in runs:
+        inside |= (times >= start - 0.5) & (times <= stop + 0.5)
+    times = np.where(inside, times, np.nan)
+    times = times[np.isfinite(times).sum(axis=1) >= ALIGNMENT.fewest]
+    if not len(times):
+        return None
+    members = body.groups()[one.candidate.group]
+    signal = body.signals[:, body.columns(members)]
+    explained, seen, each = _left_out(taken_at(signal, times))
+    limbs, amplitudes, limb_each = _by_limb(body, times)
+    numbers = one.numbers * max(seen - 1.0, 0.0) / max(one.seen - 1.0, ROUNDING)
+    return replace(
+        one,
+        times=times,
+        runs=tuple(runs),
+        repetitions=float(np.isfinite(times).sum() / ALIGNMENT.grid),
+        seen=seen,
+        explained=explained,
+        each=each,
+        numbers=numbers if one.seen > 1.0 else 0.0,
+        limbs=limbs,
+        amplitudes=amplitudes,
+        limb_each=limb_each,
+        claimed=one.claimed & _repeating(limbs, amplitudes),
+    )

@@ -4,7 +4,7 @@ Usage: python -m benchmarks.unchanged --data FOLDER --before ROUNDELAY [--captur
 
 ROUNDELAY is the command of another installation, say of the state before a change. Both run
 ``roundelay loop CAPTURE --no-picture`` on captures spread over the folder's sources. Exit status,
-files, records (options and versions aside), loops and, where nothing is found, the reason are
+files, records (but what was asked for), loops and, where nothing is found, the reason are
 compared; every difference is printed.
 """
 
@@ -23,7 +23,7 @@ from typing import Any
 from benchmarks._harness import Target, parser, report
 
 TOLERANCE = 1e-12
-ASIDE = ("options", "roundelay")
+ASIDE = ("options", "sampling", "roundelay")
 NOW = Path(sys.executable).with_name("roundelay")
 TARGETS = (
     Target("captures", ">=", 20, "captures looped by both"),

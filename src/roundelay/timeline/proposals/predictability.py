@@ -175,38 +175,19 @@ def _running_max(values: Array, width: int) -> Array:
 def _paths(values: NDArray[np.float32], lags: Array) -> Paths:
     """Return the lag (groups, hops) that explains each hop best, -1 for none: Viterbi's path."""
     groups, hops, count = values.shape
-    gain = (
-        values - PREDICTABILITY.explained - PREDICTABILITY.longer * np.log2(lags / lags[0])
-    ) * np.sqrt(PREDICTABILITY.hop / lags)
+    worth = values - PREDICTABILITY.explained - PREDICTABILITY.longer * np.log2(lags / lags[0])
+    gain = worth * np.sqrt(PREDICTABILITY.hop / lags)
     back = np.zeros((hops, groups, count + 1), np.int16)
-    none, best = np.zeros(groups), gain[:, 0].astype(float)
-    shifts = np.arange(-PREDICTABILITY.reach, PREDICTABILITY.reach + 1)
-    cost = PREDICTABILITY.wobble * np.abs(shifts)[:, None, None]
-    rows, states = np.arange(groups), np.arange(count)
-    padded = np.full((groups, count + 2 * PREDICTABILITY.reach), -np.inf)
+    none, best, rows = np.zeros(groups), gain[:, 0].astype(float), np.arange(groups)
     for hop in range(1, hops):
         top = best.argmax(axis=1)
         highest = best[rows, top]
-        padded[:, PREDICTABILITY.reach : -PREDICTABILITY.reach] = best
-        around = (
-            np.stack(
-                [
-                    padded[:, s + PREDICTABILITY.reach : s + PREDICTABILITY.reach + count]
-                    for s in shifts
-                ]
-            )
-            - cost
-        )
-        choice = around.argmax(axis=0)
-        stay = np.take_along_axis(around, choice[None], axis=0)[0]
-        from_none, from_other = (
-            none - PREDICTABILITY.switch,
-            highest - PREDICTABILITY.other * PREDICTABILITY.switch,
-        )
-        enter = np.maximum(from_none, from_other)
-        entered = np.where(from_none >= from_other, -1, top)
+        stay, source = _kept_or_near(best)
+        other = highest - PREDICTABILITY.other * PREDICTABILITY.switch
+        enter = np.maximum(none - PREDICTABILITY.switch, other)
+        entered = np.where(none - PREDICTABILITY.switch >= other, -1, top)
         fresh = enter[:, None] > stay
-        back[hop, :, 1:] = np.where(fresh, entered[:, None], states + choice - PREDICTABILITY.reach)
+        back[hop, :, 1:] = np.where(fresh, entered[:, None], source)
         leave = highest - PREDICTABILITY.switch
         back[hop, :, 0] = np.where(leave > none, top, -1)
         none = np.maximum(none, leave)
@@ -217,6 +198,21 @@ def _paths(values: NDArray[np.float32], lags: Array) -> Paths:
     for hop in range(hops - 1, 0, -1):
         paths[:, hop - 1] = back[hop, rows, paths[:, hop] + 1]
     return paths
+
+
+def _kept_or_near(best: Array) -> tuple[Array, Paths]:
+    """Return the best (groups, lags) of the same lag and those near it, and which lag that was."""
+    reach, count = PREDICTABILITY.reach, best.shape[1]
+    padded = np.pad(best, ((0, 0), (reach, reach)), constant_values=-np.inf)
+    around = np.stack(
+        [
+            padded[:, reach + shift : reach + shift + count] - PREDICTABILITY.wobble * abs(shift)
+            for shift in range(-reach, reach + 1)
+        ]
+    )
+    choice = around.argmax(axis=0)
+    stay = np.take_along_axis(around, choice[None], axis=0)[0]
+    return stay, np.arange(count) + choice - reach
 
 
 def _runs(path: Paths) -> list[tuple[int, int]]:

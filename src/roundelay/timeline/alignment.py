@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.numeric import ROUNDING
 from roundelay.base.spans import Spans
+from roundelay.phase.period import rising
 from roundelay.timeline.thresholds import ALIGNMENT
 
 __all__ = ["Aligned", "Stretch", "align_all", "taken_at"]
@@ -261,10 +261,10 @@ def _passages(runs: Spans, phase: Array) -> Array:
     """Return when (R, 48) each repetition passes each phase, in samples of the stretch."""
     grid, rows = (np.arange(ALIGNMENT.grid) + 0.5) / ALIGNMENT.grid, []
     for start, stop in runs:
-        rising = phase[start:stop] + ROUNDING * np.arange(stop - start)
-        turns = np.arange(np.floor(rising[0]), np.ceil(rising[-1]))[:, None] + grid
+        risen = rising(phase[start:stop])
+        turns = np.arange(np.floor(risen[0]), np.ceil(risen[-1]))[:, None] + grid
         frames = np.arange(start, stop, dtype=float)
-        times = np.interp(turns, rising, frames, left=np.nan, right=np.nan)
+        times = np.interp(turns, risen, frames, left=np.nan, right=np.nan)
         rows.append(times[np.isfinite(times).sum(axis=1) >= ALIGNMENT.fewest])
     return np.concatenate(rows)
 

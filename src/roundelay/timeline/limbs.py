@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.numeric import TINY
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics, heading
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
-from roundelay.timeline.thresholds import LIMBS
+from roundelay.motion.poses import principal_components
+from roundelay.timeline.thresholds import LIMBS, SEARCH
 
 __all__ = ["Body", "Limb", "body_of"]
 
@@ -240,13 +240,9 @@ def _named(tree: _Tree, low: Array, skeleton: Skeleton) -> list[tuple[str, str, 
 def _axes(positions: Array) -> Array:
     """Return the principal axes (n, k) of some joints' positions (n, j, 3), as one limb's."""
     values = positions.reshape(len(positions), -1) / np.sqrt(positions.shape[1])
-    values = values - values.mean(axis=0)
-    variance, axes = np.linalg.eigh(values.T @ values)
-    variance, axes = np.maximum(variance[::-1], 0.0), axes[:, ::-1]
-    if variance[0] <= TINY * TINY * len(values):
+    if np.ptp(values, axis=0).max() < SEARCH.still:
         return np.zeros((len(values), 0))
-    held = np.cumsum(variance) / variance.sum()
-    return values @ axes[:, : min(LIMBS.axes, 1 + int(np.searchsorted(held, LIMBS.held)))]
+    return principal_components(values, LIMBS.held)[:, : LIMBS.axes]
 
 
 def _without_neutral_ends(inside: Array) -> tuple[int, int]:

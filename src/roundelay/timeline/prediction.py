@@ -11,7 +11,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.errors import TooShort
 from roundelay.base.numeric import ROUNDING, SMALLEST, TINY
+from roundelay.motion.poses import principal_components
+from roundelay.phase.period import return_period
 from roundelay.timeline.alignment import Aligned, Stretch, align_all, taken_at
 from roundelay.timeline.limbs import Body
 from roundelay.timeline.proposals.predictability import Candidate
@@ -118,14 +121,8 @@ def predict_all(body: Body, found: Sequence[Candidate]) -> list[Predicted]:
 
 def _group_signal(body: Body, members: tuple[int, ...]) -> Array:
     """Return the principal axes (n, k) of a group of limbs."""
-    x = body.signals[:, body.columns(members)]
-    x = x - x.mean(axis=0)
-    variance, axes = np.linalg.eigh(x.T @ x)
-    variance, axes = np.maximum(variance[::-1], 0.0), axes[:, ::-1]
-    held = np.cumsum(variance) / max(float(variance.sum()), SMALLEST)
-    return np.asarray(
-        x @ axes[:, : min(PREDICTION.axes, 1 + int(np.searchsorted(held, PREDICTION.held)))]
-    )
+    axes = principal_components(body.signals[:, body.columns(members)], PREDICTION.held)
+    return axes[:, : PREDICTION.axes]
 
 
 def _stretch(signal: Array, candidate: Candidate) -> Stretch:
@@ -250,17 +247,11 @@ def _slowness(values: Array, steps: Array) -> float:
 
 def _return_time(aligned: Aligned) -> float:
     """Return the median time in which the phase gains a turn, in samples of the stretch."""
-    times = []
-    for start, stop in aligned.runs:
-        rising = aligned.phase[start:stop] + ROUNDING * np.arange(stop - start)
-        frames = np.arange(stop - start, dtype=float)
-        times.append(np.interp(rising + 1.0, rising, frames, right=np.nan) - frames)
-    gained = np.concatenate(times)
-    gained = gained[np.isfinite(gained)]
-    if len(gained):
-        return float(np.median(gained))
-    turns = sum(aligned.phase[b - 1] - aligned.phase[a] for a, b in aligned.runs)
-    return float(aligned.runs.total / max(turns, ROUNDING))
+    try:
+        return return_period(aligned.phase, aligned.runs)
+    except TooShort:
+        turns = sum(aligned.phase[b - 1] - aligned.phase[a] for a, b in aligned.runs)
+        return float(aligned.runs.total / max(turns, ROUNDING))
 
 
 def within(body: Body, one: Predicted, runs: Sequence[tuple[float, float]]) -> Predicted | None:

@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.checks import expected
+from roundelay.base.checks import chosen, expected
 from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.progress import Progress, report
 from roundelay.base.threads import one_thread
@@ -78,7 +78,7 @@ def find_cycles(
     Cancelled
         If `progress` returned False.
     """
-    options = expected(Options, options or Options())
+    options = chosen(Options, options)
     motion = expected(Motion, motion).with_root_motion()
     model = cycle_models[options.method]
     search = Search.of_take(motion, options)
@@ -115,7 +115,7 @@ def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = Non
     ValueError
         If an option is out of range.
     """
-    options = expected(Options, options or Options())
+    options = chosen(Options, options)
     motion = expected(Motion, motion).with_root_motion()
     phase = _phase(Search.of_take(motion, options), expected(Evidence, evidence))
     return cycle_models[options.method].fit(motion, phase, evidence, options)
@@ -142,7 +142,7 @@ def find_periodic(
     list of Evidence
         The one most often and most surely repeated first.
     """
-    return find_evidence(Search.of_take(take, options or Options()), progress)
+    return find_evidence(Search.of_take(take, chosen(Options, options)), progress)
 
 
 @one_thread
@@ -168,7 +168,7 @@ def understand(take: Motion, *, progress: Progress | None = None) -> Timeline:
     Cancelled
         If `progress` returned False.
     """
-    return timeline_of(take, progress)
+    return timeline_of(expected(Motion, take), progress)
 
 
 def _phase(search: Search, evidence: Evidence) -> NDArray[np.float64]:
@@ -254,7 +254,7 @@ def cycles_in_segments(
     refused = NoPeriod("no segment is long enough to repeat anything")
     for number, segment in enumerate(found.segments):
         report(progress, number / len(found), "fitting cycles")
-        inside = replace(options or Options(), frames=(segment.start, segment.stop))
+        inside = replace(chosen(Options, options), frames=(segment.start, segment.stop))
         try:
             cycles += find_cycles(motion, inside)
         except NoPeriod as refusal:
@@ -267,7 +267,7 @@ def cycles_in_segments(
 
 
 def _period(clip: Motion, options: Options | None) -> float | None:
-    steady = replace(options or Options(), gestures=False)
+    steady = replace(chosen(Options, options), gestures=False)
     try:
         return find_periodic(clip, steady)[0].period * clip.frame_time
     except (NoPeriod, TooShort):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
-__all__ = ["expected"]
+__all__ = ["chosen", "expected"]
 
 Kind = TypeVar("Kind")
 
@@ -21,3 +21,14 @@ def expected(kind: type[Kind], value: Any) -> Kind:
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         raise TypeError(f"expected {article} {kind.__name__}, found {type(value).__name__}")
     return value
+
+
+def chosen(kind: type[Kind], value: Kind | None) -> Kind:
+    """Return a value that is of a type, or one with all defaults if none is given.
+
+    Raises
+    ------
+    TypeError
+        If it is neither.
+    """
+    return kind() if value is None else expected(kind, value)

@@ -10,7 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from roundelay.base.checks import expected
+from roundelay.base.checks import chosen
 from roundelay.base.errors import FormatError
 from roundelay.base.progress import Progress, report
 from roundelay.base.threads import one_thread
@@ -79,7 +79,7 @@ def build_library(
     """
     if jobs is not None and jobs < 1:
         raise ValueError(f"expected at least one job, found {jobs}")
-    folder, options = Path(folder).resolve(), expected(LoopOptions, options or LoopOptions())
+    folder, options = Path(folder).resolve(), chosen(LoopOptions, options)
     given = [sources] if isinstance(sources, str | PathLike) else sources
     places = [_rooted(Path(source)) for source in given]
     captures, faults = find_captures(places, besides=folder / LOOPS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from roundelay.base.checks import chosen
 from roundelay.base.errors import NoPeriod
 from roundelay.base.threads import one_thread
 from roundelay.motion.motion import Motion
@@ -81,7 +82,7 @@ def inspect(motion: Motion, options: Options | None = None, *, most: int = 5) ->
     try:
         return [
             _inspected(evidence, "", most, motion)
-            for evidence in find_evidence(Search.of_take(motion, options or Options()))
+            for evidence in find_evidence(Search.of_take(motion, chosen(Options, options)))
         ]
     except NoPeriod as refusal:
         if not isinstance(refusal.evidence, Evidence):

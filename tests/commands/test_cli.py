@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -56,14 +57,31 @@ def test_the_record_holds_results_and_options(looped):
     assert set(cycle["quality"]) >= {"seam_rotation", "template_error", "loop_jerk"}
 
 
+def clip_seconds(path: Path) -> float:
+    """Time of the last key in a GLB file, where players go back to the first."""
+    raw = path.read_bytes()
+    document = json.loads(raw[20 : 20 + struct.unpack_from("<I", raw, 12)[0]])
+    samplers = document["animations"][0]["samplers"]
+    return max(document["accessors"][sampler["input"]]["max"][0] for sampler in samplers)
+
+
 def test_a_loop_for_engines(walk, tmp_path):
     arguments = ["loop", str(walk), "-o", str(tmp_path), "--format", "glb", "--no-picture"]
     result = runner.invoke(app, [*arguments, "--fps", "30"])
     assert result.exit_code == 0, result.output
     assert (tmp_path / "walk_loop.glb").read_bytes()[:4] == b"glTF"
     (cycle,) = json.loads((tmp_path / "walk_loop.json").read_text())["cycles"]
-    assert cycle["playback"]["frames"] == 33
+    assert (cycle["playback"]["frames"], cycle["playback"]["first_repeated"]) == (33, True)
+    assert cycle["loop_frames"] == 34
+    assert clip_seconds(tmp_path / "walk_loop.glb") == pytest.approx(33 / 30, abs=1e-6)
     assert set(cycle["playback"]["contacts"]) == {"LeftFoot", "RightFoot"}
+
+
+def test_a_blend_for_engines_lasts_a_whole_period(walk, tmp_path):
+    path = tmp_path / "mixed.GLB"
+    result = runner.invoke(app, ["blend", str(walk), str(walk), "--fps", "30", "-o", str(path)])
+    assert result.exit_code == 0, result.output
+    assert clip_seconds(path) == pytest.approx(33 / 30, abs=1e-6)
 
 
 def test_json_is_all_that_is_printed(walk, tmp_path):

@@ -119,7 +119,7 @@ def test_other_options_are_another_version(clips, tmp_path):
     first = rl.build_library(clips, tmp_path / "library", jobs=1)
     options = rl.LoopOptions(fps=30.0, in_place=True, file_format="glb")
     second = rl.build_library(clips, tmp_path / "library", options, jobs=1)
-    assert [cycle["loop_frames"] for _, cycle in second.cycles] == [33, 22]
+    assert [cycle["loop_frames"] for _, cycle in second.cycles] == [34, 23]
     files = {path.name for path in (first.folder / "loops").rglob("*") if path.is_file()}
     assert files == {"take_loop.glb"}
 

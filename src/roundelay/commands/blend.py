@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -43,9 +43,11 @@ def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: Loop
     with one_line_errors():
         from roundelay.cycles.edit.blend import blend as blend_cycles
         from roundelay.cycles.edit.separate import repaired
-        from roundelay.formats import write
+        from roundelay.formats import write, writer_of
         from roundelay.loops.profiles import limb_record
 
+        writer_of(file)  # refuses a suffix that none knows, before the work
+        written = replace(written, file_format=file.suffix[1:].lower())
         shares = _shares(mixing, len(captures))
         cycles, sources = _best_cycles(captures, mixing.mirror)
         mixed = blend_cycles(cycles, shares, by=mixing.by, mirror=mixing.mirror)

@@ -20,6 +20,7 @@ from roundelay.formats.registry import (
     reader_of,
     readers,
     suffixes_of,
+    wraps_at_last_key,
     writer_of,
     writers,
 )
@@ -37,7 +38,9 @@ __all__ = [
     "read",
     "readers",
     "suffixes_of",
+    "wraps_at_last_key",
     "write",
+    "writer_of",
     "writers",
 ]
 

@@ -58,6 +58,8 @@ class GltfWriter:
 
     name = "gltf"
     suffixes = (".glb", ".gltf")
+    # An animation lasts from its first key to its last (glTF 2.0, 3.11), and players repeat that.
+    wraps_at_last_key = True
 
     def write(self, motion: Motion, path: Path) -> None:
         """Write a ``.glb`` or ``.gltf`` file.

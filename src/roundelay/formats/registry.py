@@ -32,6 +32,7 @@ __all__ = [
     "reader_of",
     "readers",
     "suffixes_of",
+    "wraps_at_last_key",
     "writer_of",
     "writers",
 ]
@@ -98,7 +99,11 @@ class SkeletonReader(Reader, Protocol):
 
 
 class Writer(Suffixed, Protocol):
-    """Write the files of one format."""
+    """Write the files of one format.
+
+    A writer whose format holds keys at times, not frames, sets ``wraps_at_last_key = True``; see
+    `wraps_at_last_key`. Without it, its files hold frames that all last equally long.
+    """
 
     def write(self, motion: Motion, path: Path) -> None:
         """Write a file, whole or not at all; see `roundelay.base.files.written_beside`.
@@ -188,6 +193,24 @@ def checked_format(name: str) -> str:
         known = tuple(suffix[1:] for suffix in suffixes_of(writers))
         raise ValueError(f"expected a format among {known}, found {name!r}")
     return name
+
+
+def wraps_at_last_key(name: str) -> bool:
+    """Tell whether players of a format go from the last key to the first without any time between.
+
+    A loop in such a format lasts a whole period only if its last key repeats its first.
+
+    Parameters
+    ----------
+    name : str
+        The format, a suffix without its dot.
+
+    Raises
+    ------
+    ValueError
+        If no writer knows it.
+    """
+    return getattr(_known(Path(f"loop.{name}"), writers), "wraps_at_last_key", False)
 
 
 def files_of(path: Path) -> list[Path]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from roundelay.base.options import Checked, option
-from roundelay.formats import checked_format
+from roundelay.formats import checked_format, wraps_at_last_key
 from roundelay.loops.profiles import profiles
 from roundelay.motion.motion import FASTEST
 
@@ -26,7 +26,7 @@ class LoopOptions(Checked):
     in_place : bool
         Leave out the root's travel and turning.
     repeat_first : bool
-        Append the frame that repeats the first.
+        Append the frame that repeats the first; see `first_repeated`.
     foot_lock : bool
         Hold standing feet still; see `roundelay.cycles.edit.footlock`.
     repair : bool
@@ -53,7 +53,9 @@ class LoopOptions(Checked):
     )
     periods: int = option(1, "Write so many periods, one after the other.", least=1, most=1000)
     in_place: bool = option(False, "Leave the root's travel and turning out.")
-    repeat_first: bool = option(False, "Let the last frame repeat the first.")
+    repeat_first: bool = option(
+        False, "Let the last frame repeat the first; in a GLB or glTF file it always does."
+    )
     foot_lock: bool = option(True, "Keep standing feet where they stand.", label="Hold Feet")
     repair: bool = option(
         True,
@@ -69,12 +71,17 @@ class LoopOptions(Checked):
         profiles[self.profile]  # refuses a name that is not known
 
     @property
+    def first_repeated(self) -> bool:
+        """Whether the last frame written repeats the first: if asked, or as players need it."""
+        return self.repeat_first or wraps_at_last_key(self.file_format)
+
+    @property
     def sampling(self) -> dict[str, Any]:
         """What `roundelay.Cycle.sample` takes of it, by name."""
         return {
             "fps": self.fps,
             "periods": self.periods,
             "in_place": self.in_place,
-            "repeat_first": self.repeat_first,
+            "repeat_first": self.first_repeated,
             "foot_lock": self.foot_lock,
         }

@@ -75,7 +75,7 @@ class Generic:
             "fps": rate,
             "frames": count * written.periods,
             "frames_per_period": count,
-            "first_repeated": written.repeat_first,
+            "first_repeated": written.first_repeated,
             "root_motion": {
                 "travel": cycle.travel.tolist(),
                 "turning_degrees": float(np.degrees(cycle.turning)),

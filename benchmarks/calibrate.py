@@ -27,7 +27,8 @@ from benchmarks._harness import ROOT, Target, parser, report
 from benchmarks._truth_data import Random, random_motion
 from benchmarks._yardstick import body, measured
 from roundelay.timeline.assembly import candidates_of
-from roundelay.timeline.calibration import figures_of
+from roundelay.timeline.calibration import figures_of, tests_of
+from roundelay.timeline.thresholds import SEARCH
 
 WEIGHTS = ROOT / "src" / "roundelay" / "timeline" / "calibration.json"
 # What a behaviour of random motion counts for, and how strongly weights are drawn to 0.
@@ -90,6 +91,8 @@ def _of_capture(path: Path) -> list[dict[str, Any]]:
     except rl.RoundelayError:
         return []
     seen = body(motion)
+    if len(motion) < SEARCH.fewest:
+        return []
     return [
         {
             "figures": figures,
@@ -109,8 +112,8 @@ def _judged(motion: rl.Motion) -> Iterator[tuple[dict[str, float], list[str], An
     found, pieces = candidates_of(motion)
     for piece in pieces:
         spans = [(found.frames(a), found.frames(b)) for a, b in piece.runs]
-        joints = [motion.skeleton.names[joint] for joint in found.joints(piece.claimed)]
-        yield figures_of(found, piece), joints, spans, piece.period / found.rate
+        joints = [found.names[joint] for joint in found.joints(piece.claimed)]
+        yield figures_of(piece, tests_of(found, piece)), joints, spans, piece.period / found.rate
 
 
 def _columns(rows: list[dict[str, Any]], names: list[str]) -> Array:

@@ -47,8 +47,7 @@ from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
 from roundelay.phase.tempo import time_phase
 from roundelay.reproduction import raunio
-from roundelay.timeline.evidence import measure as measure_runs
-from roundelay.timeline.proposals.recurrence import candidate_parts
+from roundelay.timeline.evidence import measure as measure_behaviour
 from roundelay.timeline.search import Search
 
 Array = NDArray[np.float64]
@@ -194,14 +193,14 @@ def measure(data: Path, only: Sequence[str], *, with_paper: bool) -> list[Row]:
 def stages(motion: Motion) -> dict[str, float]:
     """Return the best of 5 times of each stage of `find_cycles`, in milliseconds."""
     search = Search.of_take(motion, roundelay.Options())
-    points, step = search.points, search.step
+    points = search.points
     found = roundelay.find_periodic(motion)[0]
     phase = time_phase(points, found.turns, found.runs, frame_time=motion.frame_time)
     cycle = fit_cycle(motion, phase, found.runs)
     work = {
         "poses": lambda: Search.of_take(motion, roundelay.Options()),
-        "recurrence": lambda: candidate_parts(points[::step], motion.fps / step),
-        "topology": lambda: measure_runs(search, found.runs, found.period),
+        "timeline": lambda: roundelay.understand(motion),
+        "topology": lambda: measure_behaviour(search, found.behaviour),
         "time": lambda: time_phase(points, found.turns, found.runs, frame_time=motion.frame_time),
         "fit": lambda: fit_cycle(motion, phase, found.runs),
         "find_cycles, all": lambda: roundelay.find_cycles(motion),

@@ -81,7 +81,7 @@ def _row(data: Path, name: str) -> dict[str, object]:
         "feet": round(feet, 1),
         "right": right,
         "yardstick": yardstick,
-        "confidence": round(evidence.confidence, 2),
+        "confidence": round(evidence.confidence or 0.0, 2),
         "seconds": round(seconds, 4),
     }
 

@@ -63,8 +63,8 @@ def row(data: Path, name: str, paper: Row) -> dict[str, Any]:
     found: dict[str, Any] = {"capture": name, "frames": len(motion), "[A]": paper.figures()}
     for metric in METRICS:
         found[metric] = _classes(motion, metric, paper)
-    for what, gestures in (("parts", False), ("gestures", True)):
-        parts, cpu, wall = timed(lambda gestures=gestures: parts_of(motion, gestures))
+    for what, asked in (("parts", ("recurrence",)), ("gestures", None)):
+        parts, cpu, wall = timed(lambda asked=asked: parts_of(motion, asked))
         found[what] = parts
         found[f"{what}_seconds"] = {"cpu": round(cpu, 3), "wall": round(wall, 3)}
     return found
@@ -113,16 +113,18 @@ def _share(excited: Excitation, frames: tuple[tuple[int, int], ...]) -> tuple[fl
     return (round(here, 2) if share >= 0.5 else 0.0, round(share, 2))
 
 
-def parts_of(motion: rl.Motion, gestures: bool | None = None) -> list[dict[str, Any]] | str:
+def parts_of(
+    motion: rl.Motion, proposers: tuple[str, ...] | None = None
+) -> list[dict[str, Any]] | str:
     try:
-        cycles = rl.find_cycles(motion, rl.Options(gestures=gestures))
+        cycles = rl.find_cycles(motion, rl.Options(proposers=proposers))
     except rl.NoPeriod as refusal:
         return str(refusal)
     return [
         {
             "frames": [list(run) for run in cycle.evidence.runs],
             "period": round(cycle.period * motion.fps, 1),
-            "confidence": round(cycle.evidence.confidence, 2),
+            "confidence": round(cycle.evidence.confidence or 0.0, 2),
         }
         for cycle in cycles
         if cycle.evidence is not None

@@ -122,7 +122,7 @@ def verdict(take: Take, frames: int) -> tuple[bool, bool, bool]:
     except (rl.NoPeriod, rl.TooShort):
         return False, False, False
     period = (frames - 1) / TURNS
-    return True, found.confidence >= SURE, abs(found.period / period - 1.0) <= 0.05
+    return True, (found.confidence or 0.0) >= SURE, abs(found.period / period - 1.0) <= 0.05
 
 
 def measure(runs: int, frames: int) -> list[dict[str, Any]]:

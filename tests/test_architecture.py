@@ -15,7 +15,7 @@ from roundelay.base.files import written_beside
 def test_what_a_user_looks_at_is_shown_in_a_line(jumps, jump_cycles):
     assert repr(jumps) == "Motion('01_01', 2752 frames at 120 fps, 31 joints)"
     assert repr(jumps.skeleton) == "Skeleton(31 joints, root 'Hips')"
-    assert repr(jump_cycles).startswith("[Cycle('01_01', period 1.82")
+    assert repr(jump_cycles).startswith("[Cycle('01_01', period 1.8")
     assert len(repr(jump_cycles[0].evidence)) < 200
 
 

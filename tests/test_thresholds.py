@@ -13,8 +13,8 @@ import pytest
 
 from roundelay import synth
 from roundelay.base.thresholds import constants, overridden
-from roundelay.motion.features import point_cloud
-from roundelay.timeline.proposals.recurrence import candidate_parts
+from roundelay.timeline.limbs import body_of
+from roundelay.timeline.proposals.recurrence import Recurrence
 
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "src" / "roundelay"
@@ -111,7 +111,7 @@ def test_deciding_modules_hold_no_loose_constant():
     ],
 )
 def test_an_inserted_constant_is_reported(inserted, value):
-    source = (PACKAGE / "timeline" / "verdict.py").read_text()
+    source = (PACKAGE / "timeline" / "account.py").read_text()
     lines = source.count("\n") + 1
     assert list(loose(source)) == []
     assert list(loose(source + inserted + "\n")) == [(lines, value)]
@@ -150,13 +150,13 @@ def test_every_constant_has_a_measured_margin():
 
 
 def test_a_record_cannot_be_changed_but_for_a_while():
-    one = next(one for one in constants() if one.name == "timeline.recurrence.returned")
+    one = next(one for one in constants() if one.name == "timeline.predictability.explained")
     with pytest.raises(FrozenInstanceError):
-        one.record.returned = 0.3
-    points = point_cloud(synth.gait("walk").motion)[::2]
-    assert candidate_parts(points, 60.0)
-    with overridden(one, 0.0):
-        assert candidate_parts(points, 60.0) == []
+        one.record.explained = 0.3
+    body = body_of(synth.gait("walk").motion)
+    assert Recurrence().propose(body)
+    with overridden(one, 2.0):
+        assert Recurrence().propose(body) == []
     with suppress(KeyError), overridden(one, 0.0):
         raise KeyError
-    assert one.record.returned == one.value
+    assert one.record.explained == one.value

@@ -168,7 +168,7 @@ def test_benchmarks_measure_what_users_run(name, names, users):
 
 
 def test_the_search_lies_on_a_users_path_and_reproductions_do_not(users):
-    assert ("roundelay.timeline.verdict", "objection") in users
+    assert ("roundelay.timeline.assembly", "timeline_of") in users
     assert ("roundelay.topology.coordinate", "circular_coordinate") in users
     assert not [name for name in users if name[0].startswith(PAPERS) and name[1]]
 

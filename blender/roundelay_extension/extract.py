@@ -132,7 +132,7 @@ def _report(
     item = settings.loops.add()
     item.action, item.period, item.turning = action, cycle.period, degrees(cycle.turning)
     item.frames = capture.in_scene(f"Frames {_listed(cycle.evidence.runs)}")
-    item.repetitions, item.confidence = figures.repetitions, cycle.evidence.confidence
+    item.repetitions, item.confidence = figures.repetitions, cycle.evidence.confidence or 0.0
     item.seam, item.step = figures.seam_rotation, figures.step_rotation
 
 

@@ -2,11 +2,10 @@
 
 ::
 
-    Motion -> Poses         what the search sees of a take               motion/features.py
+    Motion -> Body          what the search sees of a take, by limbs     timeline/limbs.py
            -> proposals     stretches and periods that could be          timeline/proposals/
-           -> evidence      barcode, circular coordinate, turns          timeline/evidence.py
-           -> verdict       is it periodic, and if not why               timeline/verdict.py
-           -> selection     what the take shows                          timeline/selection.py
+           -> Timeline      what repeats, and how sure that is           timeline/assembly.py
+           -> Evidence      barcode, circular coordinate, turns          timeline/finding.py
            -> phase         from structure to time                       phase/
            -> Cycle         a closed curve of poses with its travel      cycles/
 """
@@ -27,14 +26,14 @@ from roundelay.cycles.models import cycle_models
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses
 from roundelay.phase.tempo import time_phase
-from roundelay.segmentation.result import Segmentation
+from roundelay.segmentation.result import Segment, Segmentation
 from roundelay.timeline.assembly import timeline_of
 from roundelay.timeline.behaviours import Timeline
 from roundelay.timeline.evidence import Evidence
+from roundelay.timeline.finding import find_evidence
 from roundelay.timeline.options import Options
 from roundelay.timeline.search import Search
-from roundelay.timeline.selection import find_evidence
-from roundelay.timeline.verdict import no_period
+from roundelay.timeline.thresholds import SEARCH
 
 __all__ = [
     "cycles_in_segments",
@@ -81,8 +80,7 @@ def find_cycles(
     options = chosen(Options, options)
     motion = expected(Motion, motion).with_root_motion()
     model = cycle_models[options.method]
-    search = Search.of_take(motion, options)
-    found = find_evidence(search, progress)
+    search, found = find_evidence(motion, options, progress)
     cycles, refused = [], []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
@@ -92,7 +90,7 @@ def find_cycles(
         except TooShort as error:
             refused.append(NoPeriod(str(error), evidence))
     if not cycles:
-        raise no_period(refused)
+        raise refused[0]
     report(progress, 1.0, "done")
     return cycles
 
@@ -142,16 +140,21 @@ def find_periodic(
     list of Evidence
         The one most often and most surely repeated first.
     """
-    return find_evidence(Search.of_take(take, chosen(Options, options)), progress)
+    return find_evidence(take, chosen(Options, options), progress)[1]
 
 
 @one_thread
-def understand(take: Motion, *, progress: Progress | None = None) -> Timeline:
+def understand(
+    take: Motion | Poses, options: Options | None = None, *, progress: Progress | None = None
+) -> Timeline:
     """Tell what repeats in a take, limb by limb, and how sure that is.
 
     Parameters
     ----------
-    take : Motion
+    take : Motion or Poses
+        A motion, or whatever has the attributes of `roundelay.motion.poses.Poses`.
+    options : Options, optional
+        The frames and joints to look at, and who proposes; all by default.
     progress : callable, optional
         Called with the fraction done and the stage's name; returning False cancels.
 
@@ -165,17 +168,22 @@ def understand(take: Motion, *, progress: Progress | None = None) -> Timeline:
     ------
     TooShort
         If there are fewer than 8 frames.
+    SkeletonMismatch
+        If a joint of the options does not exist.
+    ValueError
+        If the frames of the options are not all there.
     Cancelled
         If `progress` returned False.
     """
-    return timeline_of(expected(Motion, take), progress)
+    return timeline_of(take, options, progress)
 
 
 def _phase(search: Search, evidence: Evidence) -> NDArray[np.float64]:
     """Return the phase (F,) of every frame that shows a motion, in turns, growing with time."""
     if evidence.closed:
         return evidence.turns
-    own = search.of(evidence.limbs) or search
+    behaviour = evidence.behaviour
+    own = search if behaviour is None or behaviour.whole else search.of(behaviour.joints)
     return time_phase(own.points, evidence.turns, evidence.runs, frame_time=1.0 / search.fps)
 
 
@@ -211,11 +219,15 @@ def with_periods(
     Cancelled
         If `progress` returned False.
     """
-    segments, clips = [], expected(Segmentation, found).clips(expected(Motion, motion))
-    for number, (segment, clip) in enumerate(zip(found.segments, clips, strict=True)):
-        report(progress, number / len(found), "looking for periods")
-        segments.append(replace(segment, period=_period(clip, options)))
-    return replace(found, segments=tuple(segments))
+    found, motion = expected(Segmentation, found), expected(Motion, motion)
+    if len(motion) != found.n_frames:
+        raise ValueError(f"expected a motion of {found.n_frames} frames, found {len(motion)}")
+    told = timeline_of(motion, options, progress) if len(motion) >= SEARCH.fewest else None
+    segments = tuple(
+        replace(segment, period=None if told is None else _period(segment, told))
+        for segment in found.segments
+    )
+    return replace(found, segments=segments)
 
 
 @one_thread
@@ -266,9 +278,10 @@ def cycles_in_segments(
     return cycles
 
 
-def _period(clip: Motion, options: Options | None) -> float | None:
-    steady = replace(chosen(Options, options), gestures=False)
-    try:
-        return find_periodic(clip, steady)[0].period * clip.frame_time
-    except (NoPeriod, TooShort):
-        return None
+def _period(segment: Segment, told: Timeline) -> float | None:
+    """Return the period of the behaviour that fills most of a segment, if one fills half of it."""
+    frames = np.zeros(told.n_frames, bool)
+    frames[segment.start : segment.stop] = True
+    filled = [(int(frames[each.spans.frames].sum()), each.period) for each in told.cyclic]
+    most, period = max(filled, default=(0, 0.0))
+    return period if 2 * most > segment.stop - segment.start else None

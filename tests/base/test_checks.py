@@ -17,7 +17,7 @@ WRONG = {
     "options": (lambda: rl.find_cycles(MOTION, {"joints": 3}), "an Options, found dict"),
     "searched": (lambda: rl.find_periodic(MOTION, "fast"), "an Options, found str"),
     "empty options": (lambda: rl.find_cycles(MOTION, {}), "an Options, found dict"),
-    "understood": (lambda: rl.understand(TABLE), "a Motion, found ndarray"),
+    "understood": (lambda: rl.understand(TABLE), "a Motion or Poses, found ndarray"),
     "make_cycle": (lambda: rl.make_cycle(MOTION, None), "an Evidence, found NoneType"),
     "segment": (lambda: rl.segment(TABLE), "a Motion, found ndarray"),
     "quality": (lambda: rl.quality(MOTION, MOTION), "a Cycle, found Motion"),

@@ -107,7 +107,7 @@ import roundelay as rl
 from roundelay import synth
 motion = synth.gait("walk").motion
 rl.write(motion, "walk.bvh")
-rl.find_cycles(rl.read("walk.bvh"), rl.Options(method="centroid"))
+rl.find_cycles(rl.read("walk.bvh"), rl.Options(method="centroid", proposers=("recurrence",)))
 rl.segment(motion, method="pca")
 print("importlib.metadata" in sys.modules)
 """

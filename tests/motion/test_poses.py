@@ -10,7 +10,7 @@ from roundelay.base.errors import SkeletonMismatch
 from roundelay.geometry import rotations as rot
 from roundelay.motion.features import first_differences, point_cloud
 from roundelay.motion.motion import Motion
-from roundelay.motion.poses import lag_distances, principal_components, with_velocity
+from roundelay.motion.poses import leading_rest_pose, principal_components, with_velocity
 
 
 @pytest.fixture(scope="module")
@@ -70,18 +70,6 @@ def test_first_differences_are_the_body_s_own(walk):
     assert first_differences(walk[:1]).shape == (1, 4)
 
 
-def test_lag_distances_are_distances():
-    points = np.random.default_rng(0).normal(size=(30, 4))
-    apart = lag_distances(points, 12)
-    for frame in range(30):
-        for lag in range(13):
-            if frame + lag < 30:
-                expected = np.sum((points[frame] - points[frame + lag]) ** 2)
-                assert apart[frame, lag] == pytest.approx(expected, abs=1e-12)
-            else:
-                assert np.isnan(apart[frame, lag])
-
-
 def test_velocities_of_a_sinusoid_make_a_circle():
     phase = 2 * np.pi * np.arange(300) / 100.0
     cloud = with_velocity(np.sin(phase)[:, None], [(0, 300)], 100.0)[10:-10]
@@ -104,3 +92,9 @@ def test_principal_components_keep_distances():
         np.linalg.norm(points[1:] - points[:-1], axis=1),
     )
     assert principal_components(points, 2).shape == (40, 2)
+
+
+def test_a_rest_pose_in_front_is_noticed(jumps):
+    points = point_cloud(jumps)
+    assert leading_rest_pose(points)
+    assert not leading_rest_pose(points[1:])

@@ -13,7 +13,6 @@ import pytest
 import roundelay as rl
 from roundelay import synth, testing
 from roundelay.base.files import written_beside
-from roundelay.base.spans import Spans
 from roundelay.cycles.models import cycle_models
 from roundelay.cycles.models.regression import Harmonic
 from roundelay.formats import readers, writers
@@ -23,7 +22,7 @@ from roundelay.loops.profiles import Generic, profiles
 from roundelay.segmentation import Curve, Cuts, segmentation_methods
 from roundelay.testing import expecting
 from roundelay.testing import readers as of_readers
-from roundelay.timeline.proposals import Proposal, proposers
+from roundelay.timeline.proposals import Candidate, proposers
 
 
 @pytest.fixture(scope="module")
@@ -186,12 +185,12 @@ def test_writers_that_do_not_pass(writer, complaint):
         testing.check_writer(writer(), BvhReader())
 
 
-def proposing(*proposals: Proposal) -> object:
+def proposing(*candidates: Candidate) -> object:
     class Fixed:
         name = "fixed"
 
-        def propose(self, search) -> Iterator[Proposal]:
-            yield from proposals
+        def propose(self, body) -> Iterator[Candidate]:
+            yield from candidates
 
     return Fixed()
 
@@ -199,30 +198,49 @@ def proposing(*proposals: Proposal) -> object:
 class Endless:
     name = "endless"
 
-    def propose(self, search):
+    def propose(self, body):
         while True:
-            yield Proposal(Spans([search.span]), 10.0)
+            yield Candidate("body", 0, len(body), 4.0)
 
 
 class Spoiling:
     name = "spoiling"
 
-    def propose(self, search):
-        search.points[:] = 0.0
-        yield Proposal(Spans([search.span]), 10.0)
+    def propose(self, body):
+        body.signals[:] = 0.0
+        yield Candidate("body", 0, len(body), 4.0)
+
+
+class Counting:
+    name = "counting"
+    asked = 0
+
+    def propose(self, body):
+        self.asked += 2
+        yield Candidate("body", 0, self.asked, 1.0)
+
+
+class Whereabouts:
+    name = "whereabouts"
+
+    def propose(self, body):
+        if body.limbs:
+            yield Candidate("body", 0, len(body), 4.0 + body.span[0] / 20)
 
 
 @pytest.mark.parametrize(
     ("proposer", "complaint"),
     [
-        (proposing(Proposal(Spans([(0, 10**6)]), 10.0)), "expected frames within 0 and"),
-        (proposing(Proposal(Spans([(0, 40)]), 10**6)), "expected a period above 0"),
-        (proposing(Proposal(Spans([]), 10.0)), "expected runs as Spans of some frames"),
-        (proposing(Proposal(Spans([(0, 40)]), 10.0, limbs="tail")), "expected limbs among"),
-        (proposing(Proposal(Spans([(0, 40)]), 10.0)), "expected proposals that move with the take"),
-        (proposing("walk"), "expected a Proposal"),
-        (Endless(), "expected at most 1000 proposals"),
-        (Spoiling(), "expected points left as they are"),
+        (proposing(Candidate("body", 0, 10**6, 10.0)), "expected samples within 0 and"),
+        (proposing(Candidate("body", 0, 4, 10**6)), "expected a period above 0"),
+        (proposing(Candidate("body", 2, 2, 1.0)), "expected samples within 0 and"),
+        (proposing(Candidate("tail", 0, 4, 2.0)), "expected a group of"),
+        (proposing(Candidate("body", 0, 4, 2.0, np.zeros(3))), "expected a phase for each"),
+        (Whereabouts(), "expected candidates that move with the take"),
+        (proposing("walk"), "expected a Candidate"),
+        (Endless(), "expected at most 1000 candidates"),
+        (Spoiling(), "expected signals left as they are"),
+        (Counting(), "expected the same candidates again"),
     ],
 )
 def test_proposers_that_do_not_pass(proposer, complaint):

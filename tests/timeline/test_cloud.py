@@ -28,7 +28,9 @@ def cloud_of(
     topology: rl.TopologyOptions,
 ) -> PoseCloud:
     options = rl.Options(topology=topology)
-    search = Search(points, 60.0, (0, len(points)), step, options)
+    names = tuple(map(str, range(points.shape[1])))
+    poses = rl.PoseArray(names, points[:, :, None], 60.0)
+    search = Search(points, 60.0, step, options, poses)
     return make_cloud(search, Spans(runs), period)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -25,37 +24,36 @@ def made() -> synth.Synthetic:
     return synth.sequence(between[0], jack, between[1], jack, between[2], jack)
 
 
-@pytest.mark.parametrize("gestures", [True, None])
-def test_a_gesture_is_found_wherever_it_recurs(made, gestures):
-    cycle = rl.find_cycles(made.motion, rl.Options(gestures=gestures))[0]
+def test_a_gesture_is_found_wherever_it_recurs(made):
+    cycle = rl.find_cycles(made.motion)[0]
     assert cycle.period == pytest.approx(1.2, rel=0.15)
     edges = [0, *made.cuts, len(made.motion)]
     shown = list(zip(edges[1::2], edges[2::2], strict=False))
     assert cycle.evidence is not None
     assert len(cycle.evidence.runs) == 3
     for run, (start, stop) in zip(cycle.evidence.runs, shown, strict=True):
-        assert abs(run[0] - start) < 0.1 * FPS
-        assert abs(run[1] - stop) < 0.1 * FPS
+        assert abs(run[0] - start) < 0.2 * FPS
+        # Of the 1.1 repetitions made, one whole turn is shown.
+        assert abs(run[1] - stop) < 0.2 * FPS
 
 
-def test_gestures_are_left_alone_if_so_told(made):
+def test_a_gesture_must_recur_three_times(made):
     with pytest.raises(rl.NoPeriod, match="no periodic motion found"):
-        rl.find_cycles(made.motion, rl.Options(gestures=False))
+        rl.find_cycles(made.motion[: made.cuts[3]])
 
 
-def test_unasked_for_a_gesture_must_recur_three_times(made):
-    twice = made.motion[: made.cuts[3]]
-    assert len(rl.find_cycles(twice, rl.Options(gestures=True))[0].evidence.runs) == 2
-    with pytest.raises(rl.NoPeriod, match="no periodic motion found"):
-        rl.find_cycles(twice)
+def test_what_repeats_and_what_recurs_are_found_in_one_take(made):
+    walk = synth.gait("walk", repetitions=6, fps=FPS).motion
+    cycles = rl.find_cycles(rl.concatenate([made.motion, walk]))
+    assert {len(cycle.evidence.runs) for cycle in cycles} == {1, 3}
 
 
 def test_only_the_chosen_frames_are_searched(made):
-    span = (made.cuts[0], len(made.motion))
-    found = rl.find_cycles(made.motion, rl.Options(frames=span, gestures=True))[0]
-    whole = rl.find_cycles(made.motion, rl.Options(gestures=True))[0]
+    four = rl.concatenate([made.motion, made.motion[: made.cuts[1]]])
+    span = (made.cuts[1], len(four))
+    found = rl.find_cycles(four, rl.Options(frames=span))[0]
     assert found.evidence.runs[0][0] >= span[0]
-    assert np.allclose(found.evidence.runs[1:], whole.evidence.runs[1:], atol=2)
+    assert len(found.evidence.runs) == 3
 
 
 def test_the_commands_show_and_loop_gestures(made, tmp_path):
@@ -67,7 +65,7 @@ def test_the_commands_show_and_loop_gestures(made, tmp_path):
     assert any(len(regions) == 3 for regions in whole)
     assert (tmp_path / "jacks_excitations.png").exists()
     assert json.loads((tmp_path / "jacks_excitations.json").read_text())["classes"] == classes
-    looped = CliRunner().invoke(app, ["loop", str(path), "-o", str(tmp_path), "--gestures"])
+    looped = CliRunner().invoke(app, ["loop", str(path), "-o", str(tmp_path)])
     assert looped.exit_code == 0, looped.output
     assert len(json.loads((tmp_path / "jacks_loop.json").read_text())["cycles"][0]["parts"]) == 3
 
@@ -85,8 +83,8 @@ def test_frames_of_the_command_are_those_of_the_capture(made, tmp_path):
 
 
 def test_wandering_holds_no_gesture():
-    with pytest.raises(rl.NoPeriod, match="no gesture recurs"):
-        rl.find_cycles(synth.wander(20, seed=3).motion, rl.Options(gestures=True))
+    with pytest.raises(rl.NoPeriod):
+        rl.find_cycles(synth.wander(20, seed=3).motion, rl.Options(proposers=("excitation",)))
 
 
 def test_regions_without_a_gap_are_one():
@@ -103,14 +101,10 @@ def test_regions_without_a_gap_are_one():
     assert gesture_runs(Excited(), (20, 525)) == ((20, 240), (410, 525))
 
 
-def test_a_class_that_cannot_be_lifted_is_no_gesture(monkeypatch):
+def test_a_class_that_cannot_be_lifted_is_no_gesture(made, monkeypatch):
     def unliftable(*_, **__):
         raise rl.LiftError("class 0 lifts to no integer cocycle")
 
     monkeypatch.setattr("roundelay.timeline.proposals.gestures.excitations", unliftable)
-    wandering = synth.wander(8.0, seed=1).motion
-    with pytest.raises(rl.NoPeriod, match="lifts to no integer cocycle"):
-        rl.find_cycles(wandering, rl.Options(gestures=True))
-    with pytest.raises(rl.NoPeriod) as refusal:
-        rl.find_cycles(wandering)
-    assert "integer" not in str(refusal.value)
+    with pytest.raises(rl.NoPeriod):
+        rl.find_cycles(made.motion)

@@ -41,8 +41,8 @@ def excitations(
     """Show the classes of a whole capture and the frames in which the coordinate of each turns.
 
     Several motions in one capture are several classes, each with frames of its own ([A] 4.6).
-    Writes NAME_excitations.json and NAME_excitations.png. Loops of what recurs with something
-    else between are made by `roundelay loop --gestures`.
+    Writes NAME_excitations.json and NAME_excitations.png. Loops of what recurs, with or without
+    something else between, are made by `roundelay loop`.
     """
     from roundelay.motion.features import point_cloud
     from roundelay.output.records import capture_record, write_json

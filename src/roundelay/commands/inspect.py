@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @takes(
-    search=all_but(Options, "method", "harmonics", "velocity", "acceleration"),
+    search=all_but(Options, "classes", "method", "harmonics", "velocity", "acceleration"),
     shown=ShownOptions,
 )
 def inspect(
@@ -105,12 +105,15 @@ def _print_table(number: int, item: Inspection, fps: float) -> None:
     typer.echo(
         f"  motion {number}: frames {parts}" + (f" ({item.objection})" if item.objection else "")
     )
+    if item.evidence.aligned:
+        typer.echo("  no class turns with the repetitions: their alignment is the phase")
     heading = ("class", "birth", "death", "p", "turns", "forward", "period s", "scale")
     typer.echo("  " + "".join(f"{title:>10}" for title in heading))
     for one in item.classes:
         cells = [f"{one.index}", f"{one.birth:.4f}", f"{one.death:.4f}", f"{one.p_value:.1e}"]
         cells += [] if one.evidence is None else _motion_cells(one.evidence, fps)
-        used = one.index == item.evidence.coordinate.class_index
+        own, aligned = item.evidence.coordinate.class_index, item.evidence.aligned
+        used = one.index == own and not aligned
         remark = "  <- loop" if used else f"  {one.fault}"
         typer.echo("  " + "".join(f"{cell:>10}" for cell in cells) + remark.rstrip())
 

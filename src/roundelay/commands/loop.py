@@ -171,9 +171,18 @@ def _print_summary(record: dict[str, Any], folder: Path) -> None:
         typer.echo(
             f"  motion {number}: period {cycle['period_seconds']:.2f} s "
             f"({cycle['period_frames']:.1f} frames), {cycle['repetitions']:.2f} repetitions "
-            f"in frames {parts}; {cycle['confidence']:.0%} sure\n"
+            f"in frames {parts}; {_certainty(cycle)}\n"
             f"    -> {folder / cycle['files'][0]}: {cycle['loop_frames']} frames; seam "
             f"{figures['seam_rotation']:.1f} deg (largest step elsewhere "
             f"{figures['step_rotation']:.1f}), template error {figures['template_error']:.2f} rad"
         )
         print_limbs(cycle["playback"])
+
+
+def _certainty(cycle: dict[str, Any]) -> str:
+    """Say how sure it is that a motion repeats, and which limbs do if not all."""
+    if cycle["kind"] == "closed":
+        return "one pass whose ends meet"
+    sure = f"{cycle['confidence']:.0%} sure"
+    doubtful = ", rather not" if cycle["confidence"] < 0.5 else ""
+    return sure + doubtful + (f"; {' + '.join(cycle['limbs'])} alone" if cycle["limbs"] else "")

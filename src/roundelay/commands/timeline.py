@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -18,21 +18,21 @@ from roundelay.commands.common import (
     progress_bar,
     read_capture,
 )
+from roundelay.commands.options import only, takes
+from roundelay.timeline.options import Options
 
 if TYPE_CHECKING:
     from roundelay.timeline.behaviours import Behaviour, Timeline
 
-Uncertain = Annotated[
-    bool, typer.Option("--uncertain", help="List what rather does not repeat, too.")
-]
 
-
+@takes(search=only(Options, "frames", "joints", "proposers", "uncertain"))
 def timeline(
     capture: Capture,
     output: Directory = Path("."),
     skeleton: Skeleton = None,
-    uncertain: Uncertain = False,
     json: Json = False,
+    *,
+    search: Options,
 ) -> None:
     """Tell what repeats in a whole take, limb by limb, and how sure that is.
 
@@ -50,14 +50,14 @@ def timeline(
     with one_line_errors(capture):
         with progress_bar(quiet=json) as progress:
             motion, folder = read_capture(capture, skeleton), output_directory(output)
-            told = understand(motion, progress=progress)
+            told = understand(motion, search, progress=progress)
         write_json(told.to_dict(), folder / f"{capture.stem}_timeline.json")
         with written_beside(folder / f"{capture.stem}_timeline.csv") as part:
             part.write_text(told.to_csv(), encoding="utf-8")
         if json:
             print_json(told.to_dict())
         else:
-            _print_table(told, capture, uncertain)
+            _print_table(told, capture, search.uncertain)
 
 
 def _print_table(told: Timeline, capture: Path, uncertain: bool) -> None:
@@ -65,7 +65,7 @@ def _print_table(told: Timeline, capture: Path, uncertain: bool) -> None:
     typer.echo(f"{capture.name}: {told.n_frames} frames, {seconds:.1f} s; {', '.join(told.limbs)}")
     shown = [*told.behaviours, *(told.uncertain if uncertain else ())]
     if not shown:
-        typer.echo("  nothing repeats")
+        typer.echo(f"  nothing repeats: {told.reason}")
         return
     typer.echo("  kind     period  times   sure  limbs; frames")
     for each in shown:

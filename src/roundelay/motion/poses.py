@@ -21,7 +21,7 @@ from roundelay.motion.thresholds import POSES
 __all__ = [
     "PoseArray",
     "Poses",
-    "lag_distances",
+    "bridged",
     "leading_rest_pose",
     "point_indices",
     "points_of",
@@ -138,24 +138,27 @@ def points_of(poses: Poses, chosen: Sequence[int] | None = None) -> Array:
         If no point is left.
     """
     kept = np.arange(len(poses.names)) if chosen is None else np.asarray(chosen, np.intp)
-    values = poses.values[:, kept]
+    values = bridged(poses)[:, kept]
     if poses.missing is not None:
-        missing = poses.missing[:, kept]
-        seen = ~missing.all(axis=0)
-        values = _bridged(values[:, seen], missing[:, seen])
+        values = values[:, ~poses.missing[:, kept].all(axis=0)]
     if not values.shape[1]:
         raise SkeletonMismatch("expected at least one point, not counting the root, found none")
     return values.reshape(len(values), -1)
 
 
-def _bridged(values: Array, missing: Mask) -> Array:
-    """Interpolate what is missing of values (F, J, d)."""
-    result, frames = values.copy(), np.arange(len(values))
-    for point in np.flatnonzero(missing.any(axis=0)):
-        seen = ~missing[:, point]
-        for column in range(values.shape[2]):
-            own = values[seen, point, column]
-            result[:, point, column] = np.interp(frames, frames[seen], own)
+def bridged(poses: Poses) -> Array:
+    """Return the points (F, J, d) of a take, what is missing interpolated in time.
+
+    It goes on unchanged at the ends; a point that is missing throughout stays at 0.
+    """
+    if poses.missing is None:
+        return poses.values
+    result, frames = poses.values.copy(), np.arange(len(poses.values))
+    for point in np.flatnonzero(poses.missing.any(axis=0)):
+        seen = ~poses.missing[:, point]
+        for column in range(result.shape[2]):
+            own = result[seen, point, column]
+            result[:, point, column] = np.interp(frames, frames[seen], own) if len(own) else 0.0
     return result
 
 
@@ -184,31 +187,6 @@ def principal_components(points: ArrayLike, dimensions: int | float) -> Array:
     axes = axes[:, :dimensions]
     largest = np.take_along_axis(axes, np.argmax(np.abs(axes), axis=0)[None], axis=0)
     return centred @ (axes * np.sign(largest))
-
-
-def lag_distances(points: ArrayLike, longest: int) -> Array:
-    """Return squared distances between every frame and those that follow it.
-
-    Parameters
-    ----------
-    points : (n, d) array_like
-    longest : int
-        The longest lag, in frames.
-
-    Returns
-    -------
-    (n, longest + 1) ndarray
-        Entry (i, t) is the squared distance of frames i and i + t; NaN where i + t >= n.
-    """
-    x = np.asarray(points, float)
-    x = x - x.mean(axis=0)
-    squares = np.einsum("ij,ij->i", x, x)
-    result = np.full((len(x), longest + 1), np.nan)
-    result[:, 0] = 0.0
-    for lag in range(1, min(longest, len(x) - 1) + 1):
-        inner = np.einsum("ij,ij->i", x[:-lag], x[lag:])
-        result[: len(x) - lag, lag] = np.maximum(squares[:-lag] + squares[lag:] - 2 * inner, 0.0)
-    return result
 
 
 def with_velocity(points: ArrayLike, runs: Sequence[Span], period: float) -> Array:

@@ -70,10 +70,15 @@ def refusal_record(refusal: NoPeriod) -> dict[str, Any]:
 def evidence_record(evidence: Evidence) -> dict[str, Any]:
     """Describe what was measured of one motion."""
     inside = [evidence.turns[start:stop] for start, stop in evidence.runs]
+    behaviour = evidence.behaviour
     return {
         "parts": [list(run) for run in evidence.runs],
         "repetitions": evidence.repetitions,
         "confidence": evidence.confidence,
+        "kind": "closed" if evidence.closed else "cyclic",
+        "limbs": list(evidence.partial),
+        "paused": [] if behaviour is None else [list(span) for span in behaviour.paused],
+        "phase": "alignment" if evidence.aligned else "coordinate",
         "prominence": _finite(evidence.prominence),
         "steadiness": evidence.steadiness,
         "class": evidence.coordinate.class_index,

@@ -17,7 +17,7 @@ from roundelay.base.numeric import ROUNDING, SIX_DIGITS, SMALLEST, TINY
 from roundelay.base.spans import Spans
 from roundelay.timeline.limbs import Body
 from roundelay.timeline.prediction import Predicted, within
-from roundelay.timeline.thresholds import ACCOUNT
+from roundelay.timeline.thresholds import ACCOUNT, MERGING
 
 __all__ = ["account"]
 
@@ -114,6 +114,9 @@ def _best_path(gain: Array) -> NDArray[np.intp]:
 
 def _trimmed(body: Body, one: Predicted, runs: list[tuple[float, float]]) -> Predicted | None:
     """Return a candidate within some of its samples; None if too little of it is left."""
+    if one.candidate.turns is not None:
+        # A gesture with something else around it is shown as a whole, or not.
+        runs = [own for own in one.runs if _shared(own, runs) >= ACCOUNT.run * (own[1] - own[0])]
     runs = [(a, b) for a, b in runs if b - a >= ACCOUNT.run * one.period]
     left = sum(b - a for a, b in runs)
     if left < ACCOUNT.fewest * one.period:
@@ -122,6 +125,10 @@ def _trimmed(body: Body, one: Predicted, runs: list[tuple[float, float]]) -> Pre
         return replace(one, runs=tuple(runs))
     again = within(body, one, runs)
     return again if again is not None and _usable(again) else None
+
+
+def _shared(own: tuple[float, float], runs: list[tuple[float, float]]) -> float:
+    return sum(max(0.0, min(own[1], b) - max(own[0], a)) for a, b in runs)
 
 
 def _of_limbs(body: Body, found: Sequence[Predicted], taken: Mask) -> list[Predicted]:
@@ -151,8 +158,11 @@ def _new(body: Body, one: Predicted, taken: Mask) -> tuple[Predicted, list[tuple
     """Return a candidate with the limbs that nothing explains yet, and where they are free."""
     spans = Spans.union(sorted((int(a), min(len(body), int(np.ceil(b)))) for a, b in one.runs))
     claimed = one.claimed & (taken[:, spans.frames].mean(axis=1) < 1.0 - ACCOUNT.fresh)
+    gesture, power = one.candidate.turns is not None, one.amplitudes**2
+    # A gesture is one of the limbs that make it: what others leave of it is none.
+    left = not gesture or power[claimed].sum() >= MERGING.limbs * power[one.claimed].sum()
     one = replace(one, claimed=claimed)
-    if not claimed.any():
+    if not claimed.any() or not left:
         return one, []
     free = np.zeros(len(body), bool)
     free[spans.frames] = True

@@ -19,11 +19,14 @@ Array = NDArray[np.float64]
 Runs = Sequence[tuple[float, float]]
 
 
-def _parts(values: Array, runs: Runs) -> list[Array]:
+def _parts(values: Array, runs: Runs, lag: float) -> list[Array]:
+    """Return the runs, each centred; one after the other if they are too short for the lag."""
     found = []
     for start, stop in runs:
         part = values[max(0, int(start)) : min(len(values), int(np.ceil(stop)))]
         found.append(part - part.mean(axis=0) if len(part) else part)
+    if sum(max(0.0, len(part) - lag) for part in found) < JUDGEMENT.apart * lag:
+        return [np.concatenate(found)] if found else []
     return found
 
 
@@ -36,21 +39,20 @@ def _shifted(part: Array, lag: float) -> Array:
     return part[whole:-1] * (1.0 - between) + part[whole + 1 :] * between
 
 
-def autocorrelation(values: Array, runs: Runs, lag: float, reach: float | None = None) -> float:
+def autocorrelation(parts: Sequence[Array], lag: float, reach: float | None = None) -> float:
     """Return the correlation of poses a lag apart, in [-1, 1]; -1 where nothing is so long.
 
     Parameters
     ----------
-    values : (n, d) ndarray
-    runs : sequence of (float, float)
-        The samples that count; each is centred by itself.
+    parts : sequence of (n, d) ndarray
+        Centred.
     lag : float
         In samples.
     reach : float, optional
         Only samples that are seen so much later count; by default the lag.
     """
     inner = first = second = 0.0
-    for part in _parts(values, runs):
+    for part in parts:
         count = len(part) - int(np.ceil(lag if reach is None else max(reach, lag)))
         if count < 3:
             continue
@@ -74,19 +76,20 @@ def margins(values: Array, runs: Runs, lag: float) -> tuple[float, float, float]
     above_twice : float
         What it is more than after twice the lag, where that is seen; else 1.
     """
-    around = 1.0 + JUDGEMENT.around * np.array([-1.0, 0.0, 1.0])
-    once = autocorrelation(values, runs, lag)
-    half = max(autocorrelation(values, runs, 0.5 * lag * f) for f in around)
-    twice = max(autocorrelation(values, runs, 2.0 * lag * f) for f in around)
+    around, parts = 1.0 + JUDGEMENT.around * np.array([-1.0, 0.0, 1.0]), _parts(values, runs, lag)
+    once = autocorrelation(parts, lag)
+    half = max(autocorrelation(parts, 0.5 * lag * f) for f in around)
+    twice = max(autocorrelation(parts, 2.0 * lag * f) for f in around)
     if twice == -1.0:
         return once, once - half, 1.0
-    again = autocorrelation(values, runs, lag, 2.0 * lag)
+    again = autocorrelation(parts, lag, 2.0 * lag)
     return once, once - half, again - twice
 
 
 def best_lag(values: Array, runs: Runs, lag: float) -> tuple[float, float]:
     """Return the lag near an estimate at which poses agree best, and their correlation."""
     tried = lag * (1.0 + TEMPO.near * np.linspace(-1.0, 1.0, TEMPO.tried))
-    found = [autocorrelation(values, runs, one) for one in tried]
+    parts = _parts(values, runs, lag)
+    found = [autocorrelation(parts, one) for one in tried]
     best = int(np.argmax(found))
     return float(tried[best]), found[best]

@@ -18,7 +18,7 @@ from roundelay.base.spans import Spans
 from roundelay.phase.period import rising
 from roundelay.timeline.thresholds import ALIGNMENT
 
-__all__ = ["Aligned", "Stretch", "align_all", "taken_at"]
+__all__ = ["Aligned", "Stretch", "align_all", "laid_out", "taken_at"]
 
 Array = NDArray[np.float64]
 
@@ -109,6 +109,29 @@ def align_all(stretches: Sequence[Stretch]) -> list[Aligned | None]:
         one if template is not None else None
         for one, template in zip(found, templates, strict=True)
     ]
+
+
+def laid_out(stretch: Stretch, turns: Array) -> Aligned | None:
+    """Lay a stretch around a phase that is known; None where it makes no turn.
+
+    Parameters
+    ----------
+    stretch : Stretch
+    turns : (n,) ndarray
+        Unwrapped phase on the body's clock, NaN where unknown.
+    """
+    where = stretch.first + stretch.step * np.arange(len(stretch.values))
+    phase, runs = np.full(len(where), np.nan), []
+    for start, stop in Spans.of_mask(np.isfinite(turns)):
+        inside = np.flatnonzero((where >= start) & (where <= stop - 1))
+        if len(inside) > 1:
+            own = np.interp(where[inside], np.arange(start, stop), turns[start:stop])
+            phase[inside] = np.maximum.accumulate(own)
+            runs.append((int(inside[0]), int(inside[-1]) + 1))
+    if not runs:
+        return None
+    times = _passages(Spans(runs), phase)
+    return Aligned(Spans(runs), phase, stretch.first + stretch.step * times)
 
 
 def _first_template(stretch: Stretch) -> Array:

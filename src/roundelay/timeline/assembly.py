@@ -3,9 +3,9 @@
 ::
 
     Motion -> Body          limbs as signals                     limbs.py
-           -> candidates    stretches that may repeat            proposals/predictability.py
+           -> candidates    stretches that may repeat            proposals/
            -> Predicted     every repetition by the others       prediction.py
-           -> account       the best for every frame and limb    account.py, tempo.py
+           -> account       the best for every frame and limb    account.py, tempo.py, merging.py
            -> Behaviour     with one probability                 calibration.py
 """
 
@@ -14,92 +14,145 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.checks import chosen, expected
 from roundelay.base.errors import TooShort
 from roundelay.base.progress import Progress, report
 from roundelay.base.spans import Span, Spans
-from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
+from roundelay.motion.poses import Poses
 from roundelay.timeline.account import account
 from roundelay.timeline.behaviours import Behaviour, Timeline
 from roundelay.timeline.calibration import judged_by
-from roundelay.timeline.closing import closing_span
+from roundelay.timeline.chance import excess
+from roundelay.timeline.closing import closing_length
 from roundelay.timeline.limbs import Body, body_of
+from roundelay.timeline.merging import merged
+from roundelay.timeline.options import Options
 from roundelay.timeline.prediction import Predicted, predict_all
-from roundelay.timeline.proposals.predictability import candidates
-from roundelay.timeline.tempo import local_periods, steady_pieces
-from roundelay.timeline.thresholds import JUDGEMENT, PREDICTABILITY, SEARCH
+from roundelay.timeline.proposals import proposed
+from roundelay.timeline.search import points_of_take
+from roundelay.timeline.tempo import local_periods, steady_pieces, without_pauses
+from roundelay.timeline.thresholds import (
+    ACCOUNT,
+    CHANCE,
+    CLOSING,
+    JUDGEMENT,
+    PREDICTABILITY,
+    SEARCH,
+)
 
 __all__ = ["candidates_of", "timeline_of"]
 
 
-def timeline_of(motion: Motion, progress: Progress | None = None) -> Timeline:
-    """Tell what repeats in a take; see `roundelay.understand`.
+def timeline_of(
+    take: Motion | Poses, options: Options | None = None, progress: Progress | None = None
+) -> Timeline:
+    """Tell what repeats in a take; see `roundelay.understand`."""
+    options = chosen(Options, options)
+    body, pieces = candidates_of(take, options, progress)
+    found = sorted(
+        (_cyclic(body, piece) for piece in pieces), key=lambda each: each.certainty, reverse=True
+    )
+    closing = _closing(take, body, options)
+    likely = [each for each in found if _likely(each, closing, take.fps)]
+    uncertain = [each for each in found if each not in likely]
+    told = likely or ([] if closing is None else [_whole("closed", body, Spans([closing]))])
+    report(progress, 1.0, "done")
+    return Timeline(
+        body.n_frames,
+        take.fps,
+        tuple(limb.name for limb in body.limbs),
+        (*told, *_neutral(body, options.span(body.n_frames))),
+        tuple(uncertain),
+        getattr(take, "name", ""),
+    )
+
+
+def candidates_of(
+    take: Motion | Poses, options: Options | None = None, progress: Progress | None = None
+) -> tuple[Body, list[Predicted]]:
+    """Return a take's body and all that may repeat, not judged yet.
+
+    Parameters
+    ----------
+    take : Motion or Poses
+    options : Options, optional
+    progress : callable, optional
 
     Raises
     ------
     TooShort
         If there are fewer than 8 frames.
+    SkeletonMismatch
+        If a joint of the options does not exist.
+    ValueError
+        If the frames of the options are not all there.
     """
-    if len(motion) < SEARCH.fewest:
-        raise TooShort(f"a period needs at least {SEARCH.fewest} frames, found {len(motion)}")
-    body, pieces = candidates_of(motion, progress)
-    found = sorted(
-        (_cyclic(motion, body, piece) for piece in pieces),
-        key=lambda each: each.certainty,
-        reverse=True,
-    )
-    closing = _closing(motion, body)
-    likely = [each for each in found if _likely(each, closing, motion.fps)]
-    uncertain = [each for each in found if each not in likely]
-    told = likely or _closed(motion, body, closing)
-    report(progress, 1.0, "done")
-    return Timeline(
-        len(motion),
-        motion.fps,
-        tuple(limb.name for limb in body.limbs),
-        (*told, *_neutral(motion, body)),
-        tuple(uncertain),
-        motion.name,
-    )
-
-
-def candidates_of(motion: Motion, progress: Progress | None = None) -> tuple[Body, list[Predicted]]:
-    """Return a take's body and all that may repeat, not judged yet.
-
-    Parameters
-    ----------
-    motion : Motion
-    progress : callable, optional
-    """
+    options = chosen(Options, options)
     report(progress, 0.0, "looking at limbs")
-    body = body_of(motion)
+    body = body_of(take, _span(take, options), options.joints)
     report(progress, 1 / 8, "looking for what comes back")
-    proposed = candidates(body)
+    found = proposed(body, options.proposers)
     report(progress, 0.5, "predicting repetitions")
-    predicted = predict_all(body, proposed)
+    predicted = predict_all(body, found)
     report(progress, 7 / 8, "choosing the best account")
-    chosen = account(body, predicted)
-    return body, [piece for one in chosen for piece in steady_pieces(body, one)]
+    going = [without_pauses(one) for one in account(body, predicted)]
+    sound = [one for one in going if excess(body, one) > CHANCE.least]
+    return body, merged(body, [piece for one in sound for piece in steady_pieces(body, one)])
 
 
-def _cyclic(motion: Motion, body: Body, one: Predicted) -> Behaviour:
+def _span(take: Motion | Poses, options: Options) -> Span:
+    """Return the frames to look at."""
+    if not isinstance(take, Motion | Poses):
+        raise TypeError(f"expected a Motion or Poses, found {type(take).__name__}")
+    count = len(take) if isinstance(take, Motion) else len(take.values)
+    start, stop = expected(Options, options).span(count) or (0, count)
+    if stop - start < SEARCH.fewest:
+        raise TooShort(f"a period needs at least {SEARCH.fewest} frames, found {stop - start}")
+    return start, stop
+
+
+def _cyclic(body: Body, one: Predicted) -> Behaviour:
     probability, tests = judged_by(body, one)
-    spans = Spans.union(sorted((body.frames(a), body.frames(b)) for a, b in one.runs))
+    spans = _spans(body, one)
     when, lasted = local_periods(one)
-    tempo = np.column_stack([(body.first + when * body.step) / motion.fps, lasted / body.rate])
+    fps, (first, _) = body.rate * body.step, body.span
     moves = one.amplitudes >= PREDICTABILITY.least
     return Behaviour(
         "cyclic",
         spans,
         _names(body, one.claimed),
-        tuple(motion.skeleton.names[joint] for joint in body.joints(one.claimed)),
+        tuple(body.names[joint] for joint in body.joints(one.claimed)),
         bool(one.claimed[moves].all()),
         one.period / body.rate,
         one.repetitions,
         probability,
-        tempo,
+        np.column_stack([(first + when * body.step) / fps, lasted / body.rate]),
         tests,
+        paused=_paused(body, one, spans),
+        passages=first + one.times * body.step,
     )
+
+
+def _spans(body: Body, one: Predicted) -> Spans:
+    """Return the frames of the runs; what is nearly the end of those looked at is their end."""
+    spans = [[body.frames(a), body.frames(b)] for a, b in sorted(one.runs)]
+    near = ACCOUNT.end * one.period * body.step
+    if spans[0][0] - body.span[0] < near:
+        spans[0][0] = body.span[0]
+    if body.span[1] - spans[-1][1] < near:
+        spans[-1][1] = body.span[1]
+    return Spans.union((start, stop) for start, stop in spans)
+
+
+def _paused(body: Body, one: Predicted, spans: Spans) -> Spans:
+    """Return the frames between some spans in which the phase rests."""
+    resting = np.zeros(body.n_frames, bool)
+    for before, after in one.pauses:
+        resting[body.frames(before) : body.frames(after)] = True
+    resting[: spans[0][0]] = resting[spans[-1][1] :] = False
+    resting[spans.frames] = False
+    return Spans.of_mask(resting)
 
 
 def _names(body: Body, claimed: NDArray[np.bool_]) -> tuple[str, ...]:
@@ -116,41 +169,33 @@ def _likely(one: Behaviour, closing: Span | None, fps: float) -> bool:
     return abs(twice - 1.0) > JUDGEMENT.half or one.tests[0].value >= JUDGEMENT.exact
 
 
-def _closing(motion: Motion, body: Body) -> Span | None:
-    """Return the frames of the take that are one closed pass, if its ends meet."""
-    last = body.first + len(body) * body.step
-    return closing_span(point_cloud(motion.with_root_motion())[:last], motion.fps, body.first)
+def _closing(take: Motion | Poses, body: Body, options: Options) -> Span | None:
+    """Return the frames that are one closed pass, if the ends of those looked at meet."""
+    first, last = body.span
+    if last - first > CLOSING.longest * take.fps:
+        return None
+    points = points_of_take(take, options)[1][first:last]
+    length = closing_length(points, chosen=options.frames is not None)
+    return None if length is None else (first, first + length)
 
 
-def _closed(motion: Motion, body: Body, span: Span | None) -> list[Behaviour]:
-    """Return all frames as one closed pass, if they are."""
-    if span is None:
-        return []
-    everything = np.ones(len(body.limbs), bool)
-    return [_whole("closed", motion, body, Spans([span]), everything)]
-
-
-def _neutral(motion: Motion, body: Body) -> list[Behaviour]:
+def _neutral(body: Body, asked: Span | None) -> list[Behaviour]:
     """Return the frames that an exporter put before or behind the movement."""
-    last = min(len(motion), body.first + len(body) * body.step)
-    # The clock of the search may end some frames before the take does.
-    ends = [(0, body.first), (last, len(motion))]
-    spans = Spans((a, b) for a, b in ends if b - a >= body.step or (a == 0 and b > 0))
+    (first, last), (start, stop) = body.span, asked or (0, body.n_frames)
+    spans = Spans((a, b) for a, b in ((start, first), (last, stop)) if b > a)
+    return [_whole("neutral", body, spans)] if spans else []
+
+
+def _whole(kind: str, body: Body, spans: Spans) -> Behaviour:
     everything = np.ones(len(body.limbs), bool)
-    return [_whole("neutral", motion, body, spans, everything)] if spans else []
-
-
-def _whole(
-    kind: str, motion: Motion, body: Body, spans: Spans, claimed: NDArray[np.bool_]
-) -> Behaviour:
     closed = kind == "closed"
     return Behaviour(
         kind,  # type: ignore[arg-type]
         spans,
-        _names(body, claimed),
-        tuple(motion.skeleton.names[joint] for joint in body.joints(claimed)),
+        _names(body, everything),
+        tuple(body.names[joint] for joint in body.joints(everything)),
         True,
-        spans.total / motion.fps if closed else float("nan"),
+        spans.total / (body.rate * body.step) if closed else float("nan"),
         1.0 if closed else 0.0,
         None,
         np.zeros((0, 2)),

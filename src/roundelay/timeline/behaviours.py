@@ -15,6 +15,12 @@ __all__ = ["Behaviour", "Kind", "Test", "Timeline"]
 
 Array = NDArray[np.float64]
 Kind = Literal["cyclic", "closed", "neutral"]
+_FAULTS = {
+    "comes_back": "poses a period apart are hardly alike",
+    "chance": "random motion of these limbs would repeat as well somewhere in the take",
+    "above_half": "poses half a period apart are more alike",
+    "above_twice": "poses two periods apart are more alike",
+}
 
 
 @dataclass(frozen=True)
@@ -64,6 +70,11 @@ class Behaviour:
         Times in seconds of the take, and how long the repetition that passes then lasts.
     tests : tuple of Test
         What the probability rests on.
+    paused : Spans
+        Frames between those of `spans` in which it pauses.
+    passages : (R, n) ndarray
+        When each repetition passes each of n phases, in frames of the take; NaN where it does
+        not. Rows that follow each other without a gap are one run.
     """
 
     kind: Kind
@@ -76,6 +87,8 @@ class Behaviour:
     probability: float | None
     tempo: Array = field(repr=False)
     tests: tuple[Test, ...] = field(repr=False)
+    paused: Spans = field(default_factory=lambda: Spans([]))
+    passages: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
 
     @property
     def certainty(self) -> float:
@@ -135,6 +148,26 @@ class Timeline:
                 known[behaviour.spans.frames] = True
         return Spans.of_mask(~known)
 
+    @property
+    def reason(self) -> str:
+        """Why no behaviour repeats, and what to try; empty where one does."""
+        if any(each.kind != "neutral" for each in self.behaviours):
+            return ""
+        if not self.limbs:
+            return "nothing moves against the root"
+        if not self.uncertain:
+            return (
+                "no pose comes back after a while; if the frames are one period, give them by "
+                "--frames START:STOP"
+            )
+        best = max(self.uncertain, key=lambda each: each.probability or 0.0)
+        faults = " and ".join(_FAULTS[test.name] for test in best.tests if not test.passed)
+        why = faults or "too little of it is seen again"
+        return (
+            f"frames {best.spans} may repeat after {best.period:.2f} s, but with "
+            f"{best.probability:.0%} rather do not: {why}; --uncertain takes them all the same"
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """Return all of it as plain data."""
         return {
@@ -144,6 +177,7 @@ class Timeline:
             "limbs": list(self.limbs),
             "behaviours": [_plain(each) for each in self.behaviours],
             "uncertain": [_plain(each) for each in self.uncertain],
+            "reason": self.reason or None,
             "passing": {limb: [list(span) for span in self.passing(limb)] for limb in self.limbs},
         }
 
@@ -166,6 +200,7 @@ def _plain(one: Behaviour) -> dict[str, Any]:
     return {
         "kind": one.kind,
         "spans": [list(span) for span in one.spans],
+        "paused": [list(span) for span in one.paused],
         "limbs": list(one.limbs),
         "joints": list(one.joints),
         "whole": one.whole,

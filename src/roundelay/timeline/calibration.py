@@ -14,51 +14,59 @@ from numpy.typing import NDArray
 
 from roundelay.timeline.agreement import margins
 from roundelay.timeline.behaviours import Test
+from roundelay.timeline.chance import excess
 from roundelay.timeline.limbs import Body
 from roundelay.timeline.prediction import Predicted
-from roundelay.timeline.thresholds import ALIGNMENT, JUDGEMENT, PREDICTION
+from roundelay.timeline.thresholds import ALIGNMENT, CHANCE, JUDGEMENT, PREDICTION
 
-__all__ = ["figures_of", "judged_by", "probability"]
+__all__ = ["figures_of", "judged_by", "tests_of"]
 
 Array = NDArray[np.float64]
 
 
-def figures_of(body: Body, one: Predicted) -> dict[str, float]:
+def figures_of(one: Predicted, tests: tuple[Test, ...]) -> dict[str, float]:
     """Return the figures by which a candidate is judged.
 
     Parameters
     ----------
-    body : Body
     one : Predicted
+    tests : tuple of Test
+        As from `tests_of`.
 
     Returns
     -------
     dict of str to float
         By name; each dimensionless.
     """
+    *agreements, chance = tests
     spread, warp = _unsteadiness(one.times)
-    tested = {
+    return {
         test.name: float(np.clip(test.value - test.limit, JUDGEMENT.fails, JUDGEMENT.passes))
-        for test in _tests(body, one)
-    }
-    places = len(body) / (np.pi * one.slowness * one.period)
-    return tested | {
-        "nats": np.log(max(one.nats * one.share, JUDGEMENT.nats)),
-        "places": np.log(max(places, 1.0)),
-        "share": one.share,
+        for test in agreements
+    } | {
+        chance.name: min(chance.value, CHANCE.most),
+        "limbs": float(np.log(one.claimed.sum())),
+        "share": float(np.log(max(one.share, JUDGEMENT.share))),
         "spread": spread,
         "warp": warp,
     }
 
 
-def _tests(body: Body, one: Predicted) -> tuple[Test, ...]:
-    """Compare the poses of the claimed limbs a period apart, half a one and two."""
+def tests_of(body: Body, one: Predicted) -> tuple[Test, ...]:
+    """Compare poses a period apart, half a one and two, and the evidence with chance.
+
+    Parameters
+    ----------
+    body : Body
+    one : Predicted
+    """
     seen = body.seen[:, body.joints(one.claimed)].reshape(len(body), -1).astype(float)
     once, above_half, above_twice = margins(seen, one.runs, one.period)
     return (
         Test("comes_back", once, JUDGEMENT.correlation),
         Test("above_half", above_half, JUDGEMENT.less),
         Test("above_twice", above_twice, JUDGEMENT.less),
+        Test("chance", excess(body, one), CHANCE.least),
     )
 
 
@@ -88,12 +96,8 @@ def _weights() -> dict[str, float]:
 
 
 def judged_by(body: Body, one: Predicted) -> tuple[float, tuple[Test, ...]]:
-    """Return the probability that a candidate is periodic, and the tests behind it."""
-    weights, figures = _weights(), figures_of(body, one)
+    """Return the probability that a candidate is periodic, in [0, 1], and the tests behind it."""
+    tests, weights = tests_of(body, one), _weights()
+    figures = figures_of(one, tests)
     score = sum(weight * figures.get(name, 1.0) for name, weight in weights.items())
-    return float(1.0 / (1.0 + np.exp(-score))), _tests(body, one)
-
-
-def probability(body: Body, one: Predicted) -> float:
-    """Return the probability that a candidate is periodic, in [0, 1]."""
-    return judged_by(body, one)[0]
+    return float(1.0 / (1.0 + np.exp(-score))), tests

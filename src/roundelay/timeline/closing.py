@@ -9,43 +9,42 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.numeric import TINY
-from roundelay.base.spans import Span
 from roundelay.timeline.thresholds import CLOSING
 
-__all__ = ["closing_span"]
+__all__ = ["closing_length"]
 
 Array = NDArray[np.float64]
 
 
-def closing_span(points: Array, fps: float, first: int = 0) -> Span | None:
-    """Return the frames that are one closed pass, or None.
+def closing_length(points: Array, *, chosen: bool = False) -> int | None:
+    """Return how many of some frames, from the first on, are one closed pass, or None.
 
     Parameters
     ----------
     points : (F, d) ndarray
         One pose a frame, in body sizes.
-    fps : float
-        Frames a second.
-    first : int
-        Frames before this one do not count.
+    chosen : bool
+        A person says that the frames are one period: its ends may lie a few steps apart.
     """
-    x = points[first:]
-    if not CLOSING.fewest <= len(x) <= CLOSING.longest * fps:
+    if len(points) < CLOSING.fewest:
         return None
-    if np.sqrt(np.sum(np.var(x, axis=0)) / (x.shape[1] / 3)) < CLOSING.least:
+    if np.sqrt(np.sum(np.var(points, axis=0)) / (points.shape[1] / 3)) < CLOSING.least:
         return None
-    lengths = range(len(x) - int(CLOSING.many * len(x)), len(x) + 1)
-    worst, length = min((_seam(x[:length]), -length) for length in lengths)
-    if worst > CLOSING.seam or not _ends_meet(x[:-length]):
+    fewest = len(points) - (0 if chosen else int(CLOSING.many * len(points)))
+    worst, length = min(
+        (_seam(points[:length]), -length) for length in range(fewest, len(points) + 1)
+    )
+    gap = CLOSING.chosen if chosen else CLOSING.gap
+    if (worst > CLOSING.seam and not chosen) or not _ends_meet(points[:-length], gap):
         return None
-    return first, first - length
+    return -length
 
 
-def _ends_meet(clip: Array) -> bool:
-    """Tell whether the way from the last pose to the first is no longer than a step."""
+def _ends_meet(clip: Array, gap: float) -> bool:
+    """Tell whether the way from the last pose to the first is no longer than so many steps."""
     steps = np.linalg.norm(np.diff(clip, axis=0), axis=1)
     step = max(float(np.median(steps)), 0.5 * float(steps[0] + steps[-1]))
-    return bool(np.linalg.norm(clip[-1] - clip[0]) <= CLOSING.gap * step)
+    return bool(np.linalg.norm(clip[-1] - clip[0]) <= gap * step)
 
 
 def _seam(clip: Array) -> float:

@@ -1,4 +1,4 @@
-"""Evidence: what topology measures of proposed frames, for the verdict to judge.
+"""Evidence: what topology measures of a behaviour, class and phase.
 
 The poses of one motion, with their velocities, form a closed curve if it is periodic. Its
 barcode says whether there is one loop and no other; its circular coordinate, over time, whether
@@ -7,7 +7,7 @@ the motion runs around it again and again ([A] 4.2, 4.6).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -16,25 +16,25 @@ from numpy.typing import NDArray
 
 from roundelay.base.errors import LiftError, NoPeriod, TooShort
 from roundelay.base.numeric import TINY
-from roundelay.base.spans import Span, Spans
+from roundelay.base.spans import Spans
 from roundelay.phase.period import return_period
 from roundelay.phase.phase_map import phase_map
 from roundelay.phase.unwrap import unwrap
+from roundelay.timeline.behaviours import Behaviour
 from roundelay.timeline.cloud import PoseCloud, make_cloud
 from roundelay.timeline.search import Search
-from roundelay.timeline.thresholds import EVIDENCE, VERDICT
+from roundelay.timeline.thresholds import EVIDENCE
 from roundelay.topology.coordinate import CircularCoordinate, circular_coordinate
 from roundelay.topology.rips import Barcode
 
 __all__ = [
     "Evidence",
     "class_coordinate",
-    "disagreement",
     "follow",
     "measure",
     "measure_closed",
+    "passages_of",
     "turns_of",
-    "without_pauses",
 ]
 
 Array = NDArray[np.float64]
@@ -66,9 +66,11 @@ class Evidence:
         and one class counts ten, another nine.
     closed : bool
         The frames are one period whose ends meet; `turns` is their phase in time.
-    limbs : str
-        The limbs that show it, as `roundelay.motion.poses.Poses.groups` names them; empty for
-        the whole body.
+    behaviour : Behaviour or None
+        Of the take's timeline: what it is evidence of.
+    aligned : bool
+        `turns` are of the repetitions' alignment, since no class of the barcode goes around with
+        them.
     """
 
     runs: Spans
@@ -81,7 +83,8 @@ class Evidence:
     cloud: PoseCloud | None = field(default=None, repr=False)
     companions: tuple[int, ...] = ()
     closed: bool = False
-    limbs: str = ""
+    behaviour: Behaviour | None = field(default=None, repr=False)
+    aligned: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "runs", Spans(self.runs))
@@ -91,6 +94,8 @@ class Evidence:
         """How many periods were seen, parts of one counted by time ([C] tables A)."""
         if self.closed:
             return 1.0
+        if self.behaviour is not None:
+            return self.behaviour.repetitions
         phase = phase_map(self.turns, self.runs)
         return float(sum(np.diff(phase(self.turns[[a, b - 1]]))[0] for a, b in self.runs))
 
@@ -112,41 +117,100 @@ class Evidence:
         return self.net / max(self.total, TINY)
 
     @property
-    def confidence(self) -> float:
-        """How sure it is that the motion is periodic, in [0, 1].
+    def confidence(self) -> float | None:
+        """The probability that the motion repeats, in [0, 1]; None where nothing is seen twice."""
+        return None if self.behaviour is None else self.behaviour.probability
 
-        Each turn confirms that the loop's bar is no chance, the more so the longer it is
-        against the next: 1 - prominence^-turns; times the share of motion that goes forwards
-        (steadiness), times what was seen again (twice the turns beyond the first, at most 1;
-        all of it if the ends meet).
-        """
-        again = 1.0 if self.closed else float(np.clip(EVIDENCE.again * (self.net - 1.0), 0.0, 1.0))
-        return (1.0 - max(self.prominence, 1.0) ** -self.net) * self.steadiness * again
+    @property
+    def partial(self) -> tuple[str, ...]:
+        """The limbs that repeat, where others that move do not; else empty."""
+        whole = self.behaviour is None or self.behaviour.whole
+        return () if whole else self.behaviour.limbs  # type: ignore[union-attr]
 
 
-def measure(search: Search, runs: Spans, period: float) -> Evidence:
-    """Compute the barcode of some frames and follow one class over time.
+def measure(search: Search, behaviour: Behaviour, class_index: int | None = None) -> Evidence:
+    """Compute the barcode of a behaviour's frames, and follow the class that is its phase.
 
-    Arguments as for `roundelay.timeline.cloud.make_cloud`.
+    That is the first of the longest bars whose coordinate turns once a repetition; where none
+    does, the alignment of the repetitions is the phase.
+
+    Parameters
+    ----------
+    search : Search
+    behaviour : Behaviour
+        Cyclic.
+    class_index : int, optional
+        Follow this class, whatever it does.
 
     Raises
     ------
     NoPeriod
-        If the cloud has no loop or the coordinate does not turn.
+        If the cloud has no loop, or the coordinate of the class chosen does not turn.
     """
-    cloud, options = make_cloud(search, runs, period), search.options.topology
-    frames = len(search.points)
-    found = follow(cloud, options.class_index or 0, scale=options.scale, n_frames=frames)
-    return replace(found, companions=tuple(_companions(found, cloud)))
+    own = search if behaviour.whole else search.of(behaviour.joints)
+    cloud = make_cloud(own, behaviour.spans, behaviour.period * search.fps)
+    frames, scale = len(search.points), search.options.topology.scale
+    if class_index is not None or scale is not None:
+        found = follow(cloud, class_index or 0, scale=scale, n_frames=frames)
+    else:
+        found = _phased(cloud, behaviour, frames)
+    companions = tuple(_companions(found, cloud))
+    return replace(found, companions=companions, behaviour=behaviour)
 
 
-def measure_closed(search: Search, run: Span) -> Evidence:
+def _phased(cloud: PoseCloud, behaviour: Behaviour, frames: int) -> Evidence:
+    """Follow the first class that turns with the repetitions; else take their alignment."""
+    first: Evidence | None = None
+    for index in range(min(EVIDENCE.classes, len(cloud.barcode))):
+        with suppress(NoPeriod):
+            found = follow(cloud, index, n_frames=frames)
+            first = first or found
+            if _turns_with(found, behaviour):
+                return found
+    if first is None:
+        first = follow(cloud, 0, n_frames=frames)
+    turns = passages_of(behaviour, frames)
+    runs = behaviour.spans
+    moved = sum(float(turns[b - 1] - turns[a]) for a, b in runs)
+    return replace(
+        first, turns=turns, period=return_period(turns, runs), net=moved, total=moved, aligned=True
+    )
+
+
+def _turns_with(found: Evidence, behaviour: Behaviour) -> bool:
+    """Tell whether a coordinate runs steadily, and turns once a repetition."""
+    apart = abs(np.log(max(found.net, TINY) / behaviour.repetitions))
+    return bool(apart < np.log1p(EVIDENCE.turns) and found.steadiness >= EVIDENCE.steady)
+
+
+def passages_of(behaviour: Behaviour, frames: int) -> Array:
+    """Return the turns (F,) of every frame of a behaviour by the alignment of its repetitions.
+
+    Parameters
+    ----------
+    behaviour : Behaviour
+    frames : int
+        Of the take.
+    """
+    count = behaviour.passages.shape[1]
+    flat = behaviour.passages.ravel()
+    turn = (np.arange(len(flat)) + 0.5) / count
+    known = np.isfinite(flat)
+    turns = np.full(frames, np.nan)
+    for start, stop in behaviour.spans:
+        own = known & (flat >= start - 0.5) & (flat < stop + 0.5)
+        turns[start:stop] = _interpolated(np.arange(start, stop), flat[own], turn[own])
+    return turns
+
+
+def measure_closed(search: Search, behaviour: Behaviour) -> Evidence:
     """Take frames for one closed period, in which time itself is the phase.
 
     Parameters
     ----------
     search : Search
-    run : (start, stop)
+    behaviour : Behaviour
+        Closed.
 
     Returns
     -------
@@ -158,7 +222,8 @@ def measure_closed(search: Search, run: Span) -> Evidence:
     NoPeriod
         If the poses form no loop.
     """
-    poses, options = search.points[slice(*run)], search.options.topology
+    run, options = behaviour.spans[0], search.options.topology
+    poses = search.points[slice(*run)]
     cloud = make_cloud(search, Spans([run]), float(len(poses)))
     coordinate = class_coordinate(cloud, options.class_index or 0, options.scale)
     # The way from the last frame to the first takes its share of a frame: none if it repeats it.
@@ -167,9 +232,8 @@ def measure_closed(search: Search, run: Span) -> Evidence:
     period = len(poses) - 1 + min(1.0, gap / max(0.5 * float(steps.sum()), TINY))
     turns = np.full(len(search.points), np.nan)
     turns[slice(*run)] = np.arange(len(poses)) / period
-    return Evidence(
-        cloud.runs, turns, period, cloud.barcode, coordinate, 1.0, 1.0, cloud=cloud, closed=True
-    )
+    found = Evidence(cloud.runs, turns, period, cloud.barcode, coordinate, 1.0, 1.0, cloud=cloud)
+    return replace(found, closed=True, behaviour=behaviour)
 
 
 def _companions(evidence: Evidence, cloud: PoseCloud) -> Iterator[int]:
@@ -183,7 +247,7 @@ def _companions(evidence: Evidence, cloud: PoseCloud) -> Iterator[int]:
         with suppress(NoPeriod):
             along = follow(cloud, other, n_frames=len(evidence.turns))
             often = along.net * EVIDENCE.nearly > evidence.net
-            if often and along.steadiness >= VERDICT.steady:
+            if often and along.steadiness >= EVIDENCE.steady:
                 yield other
 
 
@@ -274,52 +338,7 @@ def turns_of(
     return spread, turns
 
 
-def disagreement(points: Array, evidence: Evidence) -> float:
-    """Return how far poses are from those a turn later, over how far any two are apart.
-
-    Parameters
-    ----------
-    points : (F, d) ndarray
-        One pose a frame.
-    evidence : Evidence
-
-    Returns
-    -------
-    float
-        Of mean distances: 0 where a motion repeats exactly, about 1 where nothing does; NaN if
-        nothing is seen twice.
-    """
-    turns = _one_after_the_other([evidence.turns[run] for run in evidence.runs.slices()])
-    shown = points[evidence.runs.frames]
-    later, missing = np.zeros(len(turns), np.intp), np.arange(len(turns))
-    # The next time a phase is passed may be in a later run, more than one turn on.
-    for whole in range(1, 2 + len(evidence.runs)):
-        aim = turns[missing] + whole
-        place = np.minimum(np.searchsorted(turns, aim), len(turns) - 1)
-        there = np.abs(turns[place] - aim) < EVIDENCE.same_phase
-        later[missing[there]] = place[there]
-        missing = missing[~there]
-    first = np.flatnonzero(later)
-    if len(first) == 0:
-        return float("nan")
-    apart = np.linalg.norm(shown[later[first]] - shown[first], axis=1)
-    some = shown[np.linspace(0, len(shown) - 1, EVIDENCE.sample).astype(np.intp)]
-    any_two = np.linalg.norm(some[:, None] - some, axis=2)[np.triu_indices(len(some), 1)]
-    return float(np.mean(apart) / np.mean(any_two))
-
-
-def _one_after_the_other(parts: Sequence[Array]) -> Array:
-    """Join the turns of runs, each begun whole turns later than the one before ended."""
-    joined, end = [], -np.inf
-    for part in parts:
-        rising = np.maximum.accumulate(part)
-        rising = rising + np.ceil(max(end - rising[0], 0.0))
-        joined.append(rising)
-        end = rising[-1]
-    return np.concatenate(joined)
-
-
-def _interpolated(frames: Indices, known: Indices, values: Array) -> Array:
+def _interpolated(frames: Indices, known: Array | Indices, values: Array) -> Array:
     """Interpolate linearly, and go on with the end slopes beyond the known frames."""
     if len(known) < 2:
         return np.full(len(frames), float(values[0]))
@@ -327,72 +346,3 @@ def _interpolated(frames: Indices, known: Indices, values: Array) -> Array:
     last = (values[-1] - values[-2]) / (known[-1] - known[-2])
     before, beyond = np.minimum(frames - known[0], 0), np.maximum(frames - known[-1], 0)
     return np.interp(frames, known, values) + first * before + last * beyond
-
-
-def without_pauses(evidence: Evidence) -> Spans:
-    """Cut the runs where the motion pauses, and drop what is left without a turn.
-
-    A pause is a passage through a cell of the circle that takes twice as long as usual
-    there and a good part of a period: a person stands, or turns around, before going on.
-
-    Returns
-    -------
-    Spans
-    """
-    pauses = _pauses(evidence, 0.0) + _pauses(evidence, 0.5 / EVIDENCE.cells)
-    kept: list[Span] = []
-    for start, stop in evidence.runs:
-        here = start
-        for first, last in sorted(pauses):
-            if start <= first and last <= stop:
-                kept.append((here, max(here, first)))
-                here = max(here, last)
-        kept.append((here, stop))
-    kept = [run for run in kept if _turned(evidence.turns, run) >= EVIDENCE.whole]
-    passed = {
-        cell % EVIDENCE.cells for run in kept for cell, _, _ in _passages(evidence.turns, run)[1:-1]
-    }
-    # What pauses at the only passage of a cell is no pause.
-    return Spans(kept) if len(passed) == EVIDENCE.cells else evidence.runs
-
-
-def _pauses(evidence: Evidence, offset: float) -> list[Span]:
-    """List the frames of pauses, by cells whose borders are moved by `offset` turns.
-
-    The usual time is that of whole passages; at the ends of a run, where a motion may begin
-    from standing, no more than it is left.
-    """
-    turns = evidence.turns + offset
-    passages = [_passages(turns, run) for run in evidence.runs]
-    dwell: dict[int, list[int]] = {}
-    for cell, first, last in (p for run in passages for p in run[1:-1]):
-        dwell.setdefault(cell % EVIDENCE.cells, []).append(last - first)
-    usual = {cell: sorted(times)[(len(times) - 1) // 2] for cell, times in dwell.items()}
-    long = EVIDENCE.pause * evidence.period
-    found = []
-    for run in passages:
-        for number, (cell, first, last) in enumerate(run):
-            normal = usual.get(cell % EVIDENCE.cells, last - first)
-            excess = last - first - normal
-            if number == 0 and excess > long:
-                found.append((first, last - normal))
-            elif number == len(run) - 1 and excess > long:
-                found.append((first + normal, last))
-            elif excess > EVIDENCE.slower * normal and last - first > long:
-                found.append((first + normal // 2, last - normal // 2))
-    return found
-
-
-def _turned(turns: Array, run: Span) -> float:
-    return float(turns[run[1] - 1] - turns[run[0]]) if run[1] - run[0] > 1 else 0.0
-
-
-def _passages(turns: Array, run: Span) -> list[tuple[int, int, int]]:
-    """List the cells a run passes, with the frames of entry and exit."""
-    cells = np.floor(np.maximum.accumulate(turns[run[0] : run[1]]) * EVIDENCE.cells).astype(int)
-    entries = np.flatnonzero(np.diff(cells, prepend=cells[0] - 1))
-    exits = np.append(entries[1:], len(cells))
-    return [
-        (int(cells[a]), run[0] + int(a), run[0] + int(b))
-        for a, b in zip(entries, exits, strict=True)
-    ]

@@ -9,9 +9,8 @@ from roundelay.base.errors import NoPeriod
 from roundelay.base.threads import one_thread
 from roundelay.motion.motion import Motion
 from roundelay.timeline.evidence import Evidence, follow
+from roundelay.timeline.finding import find_evidence
 from roundelay.timeline.options import Options
-from roundelay.timeline.search import Search
-from roundelay.timeline.selection import find_evidence
 from roundelay.topology.significance import p_values
 
 __all__ = ["ClassFigures", "Inspection", "inspect"]
@@ -80,14 +79,12 @@ def inspect(motion: Motion, options: Options | None = None, *, most: int = 5) ->
         If no pose comes back at all.
     """
     try:
-        return [
-            _inspected(evidence, "", most, motion)
-            for evidence in find_evidence(Search.of_take(motion, chosen(Options, options)))
-        ]
+        _, found = find_evidence(motion, chosen(Options, options))
     except NoPeriod as refusal:
         if not isinstance(refusal.evidence, Evidence):
             raise
         return [_inspected(refusal.evidence, str(refusal), most, motion)]
+    return [_inspected(evidence, "", most, motion) for evidence in found]
 
 
 def _inspected(evidence: Evidence, objection: str, most: int, motion: Motion) -> Inspection:

@@ -7,16 +7,18 @@ roots below or beside the hips, the unit and the order of joints do not matter.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.spans import Span
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics, heading
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
-from roundelay.motion.poses import principal_components
+from roundelay.motion.poses import Poses, bridged, point_indices, principal_components
 from roundelay.timeline.thresholds import LIMBS, SEARCH
 
 __all__ = ["Body", "Limb", "body_of"]
@@ -60,18 +62,23 @@ class Body:
         in body sizes.
     rate : float
         Samples a second.
-    first, step : int
-        The frame of the first sample, and how many frames a sample takes.
+    span : (start, stop)
+        The frames that are looked at, without a neutral pose at either end.
+    step : int
+        How many frames a sample takes.
+    names : tuple of str
+        Of the joints.
     n_frames : int
-        Frames of the take.
+        Of the take.
     """
 
     limbs: tuple[Limb, ...]
     signals: Array = field(repr=False)
     seen: NDArray[np.float32] = field(repr=False)
     rate: float
-    first: int
+    span: Span
     step: int
+    names: tuple[str, ...] = field(repr=False)
     n_frames: int
 
     def __len__(self) -> int:
@@ -82,15 +89,15 @@ class Body:
         return np.concatenate([np.arange(*self.limbs[place].columns) for place in members])
 
     def groups(self) -> dict[str, tuple[int, ...]]:
-        """Return the groups of limbs that are searched: legs, arms, all, each by itself."""
+        """Return the groups of limbs that are searched: all, legs, arms, each by itself."""
         kinds = {
             kind: tuple(i for i, limb in enumerate(self.limbs) if limb.kind == kind)
             for kind in ("leg", "arm")
         }
         found = {
+            "body": tuple(range(len(self.limbs))),
             "legs": kinds["leg"],
             "arms": kinds["arm"],
-            "body": tuple(range(len(self.limbs))),
         } | {limb.name: (place,) for place, limb in enumerate(self.limbs)}
         groups: dict[str, tuple[int, ...]] = {}
         for name, members in found.items():
@@ -104,49 +111,142 @@ class Body:
         return sorted({joint for limb in chosen for joint in limb.joints})
 
     def frames(self, sample: float) -> int:
-        """Return the frame of a sample."""
-        return min(self.n_frames, max(0, self.first + round(sample * self.step)))
+        """Return the frame of a sample; the end of the last is that of the frames."""
+        if sample >= len(self):
+            return self.span[1]
+        return min(self.span[1], max(self.span[0], self.span[0] + round(sample * self.step)))
 
 
-def body_of(motion: Motion) -> Body:
-    """Take a motion's body apart into limbs.
+def body_of(
+    take: Motion | Poses, span: Span | None = None, joints: Sequence[str] | None = None
+) -> Body:
+    """Take a body apart into limbs.
 
     Parameters
     ----------
-    motion : Motion
+    take : Motion or Poses
+        Of poses, the groups are the limbs, and what is in none is the trunk.
+    span : (start, stop), optional
+        The frames to look at; all by default.
+    joints : sequence of str, optional
+        The joints or points to look at; all by default.
 
     Returns
     -------
     Body
+
+    Raises
+    ------
+    SkeletonMismatch
+        If a joint does not exist.
     """
-    skeleton, step = motion.skeleton, max(1, round(motion.fps / LIMBS.rate))
-    moved = motion.translations
-    places, turns = forward_kinematics(
-        skeleton,
-        motion.rotations[::step],
-        motion.root_path[::step],
-        translations=None if moved is None else moved[::step],
-    )
-    lengths = _bone_lengths(places, skeleton)
-    tree = _Tree(skeleton, lengths)
-    apart = (places - places[:, tree.hub, None]) / tree.size
-    hips = turns[:, tree.hub]
-    inside = rot.rotate(rot.conjugate(hips)[:, None], apart)
-    first, last = _without_neutral_ends(inside)
-    inside = inside[first:last]
-    ahead = rot.from_rotation_vector(-_turned(hips, motion.up)[:, None] * motion.up_vector)
-    seen = rot.rotate(ahead[:, None], apart)[first:last].astype(np.float32)
-    height = places[first:last, :, motion.up]
-    low = np.median(height - height.min(axis=1, keepdims=True), axis=0) / tree.size
+    step = max(1, round(take.fps / LIMBS.rate))
+    view = _Joints(take, span, step) if isinstance(take, Motion) else _Points(take)
+    chosen = set(range(len(view.names)) if joints is None else view.indices(joints))
+    first, stop = _without_neutral_ends(view, span or (0, view.count), step)
+    inside, seen = view.at(slice(first, stop, step))
     limbs, signals, at = [], [], 0
-    for name, kind, joints in _named(tree, low, skeleton):
-        axes = _axes(inside[:, joints])
+    for name, kind, members in view.limbs():
+        own = [joint for joint in members if joint in chosen]
+        axes = _axes(inside[:, own])
         if axes.shape[1]:
-            limbs.append(Limb(name, kind, tuple(joints), (at, at + axes.shape[1])))
+            limbs.append(Limb(name, kind, tuple(own), (at, at + axes.shape[1])))
             signals.append(axes)
             at += axes.shape[1]
     stacked = np.hstack(signals) if signals else np.zeros((len(inside), 0))
-    return Body(tuple(limbs), stacked, seen, motion.fps / step, first * step, step, len(motion))
+    return Body(
+        tuple(limbs), stacked, seen, take.fps / step, (first, stop), step, view.names, view.count
+    )
+
+
+class _Joints:
+    """The joints of a motion, against the hips."""
+
+    def __init__(self, motion: Motion, span: Span | None, step: int) -> None:
+        self._motion, self.names, self.count = motion, motion.skeleton.names, len(motion)
+        self._frames = slice(*(span or (0, self.count)), step)
+        self._places, turns = self._placed(self._frames)
+        self._tree = _Tree(motion.skeleton, _bone_lengths(self._places, motion.skeleton))
+        self._whole = self._against_hips(self._places, turns)
+
+    def indices(self, names: Sequence[str]) -> list[int]:
+        return [int(joint) for joint in self._motion.skeleton.indices(names)]
+
+    def _placed(self, frames: slice) -> tuple[Array, Array]:
+        motion, moved = self._motion, self._motion.translations
+        return forward_kinematics(
+            motion.skeleton,
+            motion.rotations[frames],
+            motion.root_path[frames],
+            translations=None if moved is None else moved[frames],
+        )
+
+    def at(self, frames: slice) -> tuple[Array, NDArray[np.float32]]:
+        """Return positions (n, J, 3) turned with the hips, and turned with their heading alone."""
+        return self._whole if frames == self._frames else self._against_hips(*self._placed(frames))
+
+    def _against_hips(self, places: Array, turns: Array) -> tuple[Array, NDArray[np.float32]]:
+        apart = (places - places[:, self._tree.hub, None]) / self._tree.size
+        hips, motion = turns[:, self._tree.hub], self._motion
+        inside = rot.rotate(rot.conjugate(hips)[:, None], apart)
+        ahead = rot.from_rotation_vector(-_turned(hips, motion.up)[:, None] * motion.up_vector)
+        return inside, rot.rotate(ahead[:, None], apart).astype(np.float32)
+
+    def limbs(self) -> list[tuple[str, str, list[int]]]:
+        height = self._places[..., self._motion.up]
+        above = height - height.min(axis=1, keepdims=True)
+        low = np.median(above, axis=0) / self._tree.size
+        return _named(self._tree, low, self._motion.skeleton)
+
+
+class _Points:
+    """The points of poses, as they are."""
+
+    def __init__(self, poses: Poses) -> None:
+        self._poses, self.names, self.count = poses, tuple(poses.names), len(poses.values)
+        self._values = bridged(poses)
+
+    def indices(self, names: Sequence[str]) -> list[int]:
+        return point_indices(self._poses, names)
+
+    def at(self, frames: slice) -> tuple[Array, NDArray[np.float32]]:
+        values = self._values[frames]
+        return values, values.astype(np.float32)
+
+    def limbs(self) -> list[tuple[str, str, list[int]]]:
+        found, left = [], set(range(len(self.names)))
+        for name, members in self._poses.groups.items():
+            kind = next((kind for kind in ("leg", "arm") if kind in name.lower()), "trunk")
+            own = [point for point in members if point in left]
+            left -= set(own)
+            found.append((name, kind, own))
+        return [*found, *([("trunk" if found else "body", "trunk", sorted(left))] if left else [])]
+
+
+def _without_neutral_ends(view: _Joints | _Points, span: Span, step: int) -> Span:
+    """Return the frames without a pose put before or behind the movement, such as a T-pose.
+
+    It lies so far off as no two frames near it do.
+    """
+    first, stop = span
+    near = round(LIMBS.near * LIMBS.rate) * step
+
+    def moved(frames: slice) -> Array:
+        inside, _ = view.at(frames)
+        return np.linalg.norm(np.diff(inside.reshape(len(inside), -1), axis=0), axis=1)
+
+    head = _jump(moved(slice(first, min(stop, first + near))), step)
+    tail = _jump(moved(slice(max(first, stop - near), stop))[::-1], step)
+    return (first + head, stop - tail) if head + tail < stop - first else span
+
+
+def _jump(steps: Array, reach: int) -> int:
+    """Return how many frames lie before a jump within the first few steps; 0 without one."""
+    if len(steps) <= reach + 2:
+        return 0
+    place = int(steps[:reach].argmax())
+    others = float(np.delete(steps, place).max())
+    return place + 1 if steps[place] > LIMBS.jump * others > 0.0 else 0
 
 
 def _turned(orientations: Array, up: int) -> Array:
@@ -239,17 +339,9 @@ def _named(tree: _Tree, low: Array, skeleton: Skeleton) -> list[tuple[str, str, 
 
 def _axes(positions: Array) -> Array:
     """Return the principal axes (n, k) of some joints' positions (n, j, 3), as one limb's."""
+    if not positions.shape[1]:
+        return np.zeros((len(positions), 0))
     values = positions.reshape(len(positions), -1) / np.sqrt(positions.shape[1])
     if np.ptp(values, axis=0).max() < SEARCH.still:
         return np.zeros((len(values), 0))
     return principal_components(values, LIMBS.held)[:, : LIMBS.axes]
-
-
-def _without_neutral_ends(inside: Array) -> tuple[int, int]:
-    """Return the samples without a pose put before or behind the movement, such as a T-pose."""
-    steps = np.linalg.norm(np.diff(inside.reshape(len(inside), -1), axis=0), axis=1)
-    if len(steps) < 4:
-        return 0, len(inside)
-    usual = float(steps[1:-1].max())
-    first = int(steps[0] > LIMBS.jump * usual > 0.0)
-    return first, len(inside) - int(steps[-1] > LIMBS.jump * usual > 0.0)

@@ -14,6 +14,14 @@ __all__ = ["Options", "PoseMetric", "ShownOptions", "TopologyOptions"]
 PoseMetric = Literal["euclidean", "variance", "adjacent"]
 
 
+_CLASSES: int | None = option(
+    None,
+    "So many classes: those of the longest bars of all frames become a motion each (loop), or "
+    "are shown; by default five of each motion (inspect), those that stand out (excitations).",
+    least=1,
+)
+
+
 @dataclass(frozen=True)
 class TopologyOptions(Checked):
     """Choices of what topology sees and which of its classes counts.
@@ -23,7 +31,8 @@ class TopologyOptions(Checked):
     prime : int
         Coefficients of the cohomology are integers modulo this prime.
     class_index : int, optional
-        Which bar to use, 0 being the longest; chosen by hand, it need not stand out.
+        Which bar of the first motion, or of `Options.motion`, to use, 0 being the longest; by
+        default the first that turns with the repetitions.
     max_scale : float, optional
         Largest scale of the filtration, in body sizes ([C] 5.3 item 5): classes born above are
         left out, and bars end there. By default that at which every class has died.
@@ -38,6 +47,9 @@ class TopologyOptions(Checked):
     metric : {"euclidean", "variance", "adjacent"}
         Distances of poses as they are, of features divided by their standard deviations
         ([A] 6.4), or with frames next to each other in time at distance 0 ([A] 3.2).
+    classes : int, optional
+        Follow so many of the longest bars of all frames, each as a motion of its own ([C] 5.3),
+        instead of the timeline's behaviours.
     dimensions : int or float, optional
         Project on so many principal axes first, or on those that hold this share of the
         variance ([A] 5.1); none by default.
@@ -72,6 +84,7 @@ class TopologyOptions(Checked):
         "Distance of poses: as they are, of features divided by their standard deviations, or "
         "with frames next to each other at distance 0.",
     )
+    classes: int | None = _CLASSES
     dimensions: int | float | None = option(
         None, "Principal axes to project on, or the share of variance (below 1) they hold.", above=0
     )
@@ -92,8 +105,8 @@ class Options(Checked):
     Parameters
     ----------
     frames : (int, int or None), optional
-        Half-open range of frames to look at, None for the end of the take; by default all but a
-        rest pose put before them.
+        Half-open range of frames to look at, None for the end of the take; by default all but
+        neutral poses put before or behind them.
     joints : tuple of str, optional
         Joints that decide what is a repetition; all by default. Every joint is in the cycle.
     features : {"positions", "heading", "quaternions", "angles"}
@@ -103,13 +116,14 @@ class Options(Checked):
         moves, which stands for their mass ([A] 7). Positions weigh by length of themselves.
     topology : TopologyOptions
         Prime, class, scale, velocity or delays, metric, dimensions.
-    gestures : bool, optional
-        Look for gestures, which recur with something else between (True), never (False), or
-        where no part is periodic (the default; they must then recur three times).
     proposers : tuple of str, optional
-        Who proposes what may repeat, by name; one is asked only if those before it led to
-        nothing. By default "recurrence", "closed", "arms", "gestures", then those that
-        plug-ins bring; see `roundelay.timeline.proposals`.
+        Who proposes what may repeat, by name; all by default: "recurrence", "excitation", then
+        those that plug-ins bring; see `roundelay.timeline.proposals`.
+    motion : int, optional
+        Only this motion, 1 being the first of those that `inspect` lists. A class or a scale of
+        `topology` is that of this motion, or of the first.
+    uncertain : bool
+        Also what rather does not repeat, with a probability below one half.
     most : int, optional
         Return this many cycles at most, best first.
     method : str
@@ -147,16 +161,15 @@ class Options(Checked):
         "none", "Weigh joints by the length of their bones, or by that of all bones they move."
     )
     topology: TopologyOptions = option(TopologyOptions, "What topology sees.")
-    gestures: bool | None = option(
-        None,
-        "Look for what recurs with something else between, or never; "
-        "by default where nothing is periodic.",
-    )
     proposers: tuple[str, ...] | None = option(
         None,
-        "Who proposes what may repeat, in this order, of {proposers}.",
+        "Who proposes what may repeat, of {proposers}; all by default.",
         form="NAME,NAME,...",
     )
+    motion: int | None = option(
+        None, "Only this motion, 1 being the first; --class and --scale are of it.", least=1
+    )
+    uncertain: bool = option(False, "Also what rather does not repeat.")
     most: int | None = option(
         None, "At most so many periodic motions, the surest first.", least=1, label="Max Loops"
     )
@@ -208,9 +221,4 @@ class ShownOptions(Checked):
 
     title: ClassVar[str] = "What is shown"
 
-    classes: int | None = option(
-        None,
-        "Show so many classes; by default five of each motion (inspect), or those that stand "
-        "out from noise (excitations).",
-        least=1,
-    )
+    classes: int | None = _CLASSES

@@ -5,7 +5,7 @@ One measurement for every candidate, whoever proposed it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from roundelay.base.errors import TooShort
 from roundelay.base.numeric import ROUNDING, SMALLEST, TINY
+from roundelay.base.spans import Spans
 from roundelay.motion.poses import principal_components
 from roundelay.phase.period import return_period
-from roundelay.timeline.alignment import Aligned, Stretch, align_all, taken_at
+from roundelay.timeline.alignment import Aligned, Stretch, align_all, laid_out, taken_at
 from roundelay.timeline.limbs import Body
-from roundelay.timeline.proposals.predictability import Candidate
+from roundelay.timeline.proposals.proposal import Candidate
 from roundelay.timeline.thresholds import ALIGNMENT, PREDICTABILITY, PREDICTION
 
 __all__ = ["Predicted", "predict_all", "within"]
@@ -42,6 +43,8 @@ class Predicted:
         Periods passed.
     seen : float
         Periods that others predict.
+    again : float
+        Periods seen again: all but one showing of every phase.
     explained : float
         Share of the variance that is predicted, R^2, of the group.
     each : (R,) ndarray
@@ -58,6 +61,8 @@ class Predicted:
         R^2 of every limb in every repetition.
     claimed : (L,) ndarray of bool
         The limbs that move and repeat, and that nothing else explains here.
+    pauses : tuple of (float, float)
+        Samples at which the phase rests.
     """
 
     candidate: Candidate
@@ -66,6 +71,7 @@ class Predicted:
     period: float
     repetitions: float
     seen: float
+    again: float
     explained: float
     each: Array = field(repr=False)
     numbers: float
@@ -74,6 +80,7 @@ class Predicted:
     amplitudes: Array = field(repr=False)
     limb_each: Array = field(repr=False)
     claimed: NDArray[np.bool_] = field(repr=False)
+    pauses: tuple[tuple[float, float], ...] = ()
 
     @property
     def nats(self) -> float:
@@ -104,19 +111,44 @@ def predict_all(body: Body, found: Sequence[Candidate]) -> list[Predicted]:
     list of Predicted
         Without the candidates that do not go around.
     """
-    groups = body.groups()
+    groups, waiting, predicted = body.groups(), list(found), list[Predicted]()
     signals = {name: _group_signal(body, groups[name]) for name in {c.group for c in found}}
-    kept, stretches = [], []
+    while waiting:
+        going = _predicted_from(body, waiting, signals)
+        predicted += going
+        waiting = [rest for one in going for rest in _unexplained(one)]
+    return predicted
+
+
+def _unexplained(one: Predicted) -> Iterator[Candidate]:
+    """Yield what the template leaves of a candidate: another behaviour of a like period, maybe."""
+    period, whole = one.candidate.period, one.candidate.stop - one.candidate.start
+    if one.candidate.turns is not None:
+        return
+    free = np.zeros(one.candidate.stop, bool)
+    free[one.candidate.start :] = True
+    for start, stop in one.runs:
+        free[max(0, int(start)) : int(np.ceil(stop))] = False
+    for start, stop in Spans.of_mask(free):
+        if PREDICTABILITY.periods * period <= stop - start <= whole - period:
+            yield replace(one.candidate, start=start, stop=stop)
+
+
+def _predicted_from(
+    body: Body, found: Sequence[Candidate], signals: dict[str, Array]
+) -> list[Predicted]:
+    going = []
     for candidate in found:
         stretch = _stretch(signals[candidate.group], candidate)
         if len(stretch.values[stretch.core]) >= ALIGNMENT.samples:
-            kept.append(candidate)
-            stretches.append(stretch)
-    return [
-        _predicted(body, candidate, stretch, aligned)
-        for candidate, stretch, aligned in zip(kept, stretches, align_all(stretches), strict=True)
-        if aligned is not None
+            going.append((candidate, stretch))
+    unknown = [stretch for candidate, stretch in going if candidate.turns is None]
+    aligned = iter(align_all(unknown))
+    laid = [
+        (one, stretch, next(aligned) if one.turns is None else laid_out(stretch, one.turns))
+        for one, stretch in going
     ]
+    return [_predicted(body, one, stretch, own) for one, stretch, own in laid if own is not None]
 
 
 def _group_signal(body: Body, members: tuple[int, ...]) -> Array:
@@ -147,7 +179,7 @@ def _stretch(signal: Array, candidate: Candidate) -> Stretch:
 
 def _predicted(body: Body, candidate: Candidate, stretch: Stretch, aligned: Aligned) -> Predicted:
     own = stretch.values
-    explained, seen, each = _left_out(_at(own, aligned.times, stretch))
+    explained, seen, again, each = _left_out(_at(own, aligned.times, stretch))
     inside = np.concatenate([own[run] for run in aligned.runs.slices()])
     steps = np.concatenate([np.diff(own[run], axis=0) for run in aligned.runs.slices()])
     dimension, slowness = _dimension(inside), _slowness(inside, steps)
@@ -164,9 +196,10 @@ def _predicted(body: Body, candidate: Candidate, stretch: Stretch, aligned: Alig
         stretch.step * _return_time(aligned),
         float(sum(turns)),
         seen,
+        again,
         explained,
         each,
-        max(seen - 1.0, 0.0) * dimension / (np.pi * slowness),
+        again * dimension / (np.pi * slowness),
         slowness,
         limbs,
         amplitudes,
@@ -189,14 +222,14 @@ def _by_limb(body: Body, times: Array) -> tuple[Array, Array, Array]:
     explained, amplitudes, each = [], [], []
     for limb in body.limbs:
         own = values[:, :, slice(*limb.columns)]
-        limb_explained, _, limb_each = _left_out(own)
+        limb_explained, _, _, limb_each = _left_out(own)
         explained.append(limb_explained)
         each.append(limb_each)
         amplitudes.append(np.sqrt(np.nansum(np.nanvar(own.reshape(-1, own.shape[2]), axis=0))))
     return np.array(explained), np.array(amplitudes), np.array(each)
 
 
-def _left_out(values: Array) -> tuple[float, float, Array]:
+def _left_out(values: Array) -> tuple[float, float, float, Array]:
     """Predict every repetition by the mean of the others at the same phase.
 
     Parameters
@@ -210,6 +243,8 @@ def _left_out(values: Array) -> tuple[float, float, Array]:
         R^2 over all that could be predicted; -1 if nothing could.
     seen : float
         Periods that could be predicted.
+    again : float
+        Periods seen again.
     each : (R,) ndarray
         R^2 of every repetition.
     """
@@ -218,7 +253,7 @@ def _left_out(values: Array) -> tuple[float, float, Array]:
     count = passed.sum(axis=0)
     used = passed & (count >= 2)
     if not used.any():
-        return -1.0, 0.0, np.zeros(len(values))
+        return -1.0, 0.0, 0.0, np.zeros(len(values))
     others = (x.sum(axis=0) - x) / np.maximum(count - 1, 1)[:, None]
     error = np.sum(np.sum((x - others) ** 2, axis=2) * used, axis=1)
     mean = np.sum(x * used[:, :, None], axis=(0, 1)) / used.sum()
@@ -226,7 +261,9 @@ def _left_out(values: Array) -> tuple[float, float, Array]:
     floor = PREDICTABILITY.least**2 * used.sum(axis=1)
     total = max(float((spread + floor).sum()), TINY)
     each = 1.0 - (error + floor) / np.maximum(spread + floor, TINY)
-    return 1.0 - float((error + floor).sum()) / total, float(used.sum() / ALIGNMENT.grid), each
+    explained = 1.0 - float((error + floor).sum()) / total
+    again = float(np.maximum(count - 1, 0).sum() / ALIGNMENT.grid)
+    return explained, float(used.sum() / ALIGNMENT.grid), again, each
 
 
 def _dimension(values: Array) -> float:
@@ -265,18 +302,18 @@ def within(body: Body, one: Predicted, runs: Sequence[tuple[float, float]]) -> P
         return None
     members = body.groups()[one.candidate.group]
     signal = body.signals[:, body.columns(members)]
-    explained, seen, each = _left_out(taken_at(signal, times))
+    explained, seen, again, each = _left_out(taken_at(signal, times))
     limbs, amplitudes, limb_each = _by_limb(body, times)
-    numbers = one.numbers * max(seen - 1.0, 0.0) / max(one.seen - 1.0, ROUNDING)
     return replace(
         one,
         times=times,
         runs=tuple(runs),
         repetitions=float(np.isfinite(times).sum() / ALIGNMENT.grid),
         seen=seen,
+        again=again,
         explained=explained,
         each=each,
-        numbers=numbers if one.seen > 1.0 else 0.0,
+        numbers=one.numbers * again / max(one.again, ROUNDING),
         limbs=limbs,
         amplitudes=amplitudes,
         limb_each=limb_each,

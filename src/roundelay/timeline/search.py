@@ -1,30 +1,31 @@
-"""What is searched: the points of a take, the frames to look at, and what the user chose."""
+"""What topology looks at: the points of a take, and what the user chose."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.brief import brief
 from roundelay.base.checks import expected
-from roundelay.base.errors import NoPeriod, TooShort
+from roundelay.base.errors import TooShort
 from roundelay.base.spans import Span
 from roundelay.motion.features import MotionPoses
 from roundelay.motion.motion import Motion
-from roundelay.motion.poses import Poses, leading_rest_pose, point_indices, points_of
+from roundelay.motion.poses import Poses, point_indices, points_of
 from roundelay.timeline.options import Options
 from roundelay.timeline.thresholds import SEARCH
 
-__all__ = ["Search"]
+__all__ = ["Search", "points_of_take"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What is searched, and how closely.
+    """What topology looks at, and how closely.
 
     Attributes
     ----------
@@ -32,24 +33,18 @@ class Search:
         One pose a frame, of the whole take.
     fps : float
         Frames a second.
-    span : (start, stop)
-        The frames to look at.
     step : int
         Every how many-th frame topology looks at.
     options : Options
-    poses : Poses or None
+    poses : Poses
         Where the points are from, for looking at some limbs alone.
-    limbs : str
-        The limbs that are looked at; empty for the whole body.
     """
 
     points: Array
     fps: float
-    span: Span
-    step: int = 1
-    options: Options = field(default_factory=Options)
-    poses: Poses | None = None
-    limbs: str = ""
+    step: int
+    options: Options
+    poses: Poses
 
     __repr__ = brief
 
@@ -71,36 +66,40 @@ class Search:
             If a joint of the options does not exist.
         ValueError
             If the frames of the options are not all there.
-        NoPeriod
-            If nothing moves.
         TypeError
             If it is neither, or the options are of another type.
         """
-        poses, joints = _poses(take, options)
-        frames = len(poses.values)
-        if frames < SEARCH.fewest:
-            raise TooShort(f"a period needs at least {SEARCH.fewest} frames, found {frames}")
-        chosen = None if joints is None else point_indices(poses, joints)
-        points = points_of(poses, chosen)
-        span = _span(points, options)
-        if np.ptp(points[slice(*span)], axis=0).max() < SEARCH.still:
-            raise NoPeriod("no periodic motion found: nothing moves against the root")
-        whole = None if chosen is not None else poses
-        return cls(points, poses.fps, span, _step(poses.fps, span), options, whole)
+        poses, points = points_of_take(take, options)
+        if len(points) < SEARCH.fewest:
+            raise TooShort(f"a period needs at least {SEARCH.fewest} frames, found {len(points)}")
+        span = options.span(len(points)) or (0, len(points))
+        return cls(points, poses.fps, _step(poses.fps, span), options, poses)
 
-    @property
-    def n_frames(self) -> int:
-        """How many frames are looked at."""
-        return self.span[1] - self.span[0]
+    def of(self, joints: Sequence[str]) -> Search:
+        """Look at some joints alone, if the take has any of them."""
+        places = {name: place for place, name in enumerate(self.poses.names)}
+        chosen = [places[name] for name in joints if name in places]
+        return replace(self, points=points_of(self.poses, chosen)) if chosen else self
 
-    def of(self, limbs: str) -> Search | None:
-        """Look at some limbs alone; None where the take has none of that name."""
-        if limbs == self.limbs:
-            return self
-        chosen = None if self.poses is None else self.poses.groups.get(limbs)
-        if self.poses is None or not chosen:
-            return None
-        return replace(self, points=points_of(self.poses, chosen), limbs=limbs)
+
+def points_of_take(take: Motion | Poses, options: Options) -> tuple[Poses, Array]:
+    """Return the poses of a take, and one point (F, d) a frame of those that count.
+
+    Parameters
+    ----------
+    take : Motion or Poses
+    options : Options
+
+    Raises
+    ------
+    SkeletonMismatch
+        If a joint of the options does not exist, or none is left.
+    TypeError
+        If it is neither, or the options are of another type.
+    """
+    poses, joints = _poses(take, options)
+    chosen = None if joints is None else point_indices(poses, joints)
+    return poses, points_of(poses, chosen)
 
 
 def _poses(take: Motion | Poses, options: Options) -> tuple[Poses, tuple[str, ...] | None]:
@@ -116,16 +115,6 @@ def _poses(take: Motion | Poses, options: Options) -> tuple[Poses, tuple[str, ..
         # The root, by which all others are placed, is no point of a pose.
         joints = tuple(name for name in joints if name != take.skeleton.names[0])
     return MotionPoses(take, options.features, options.weights), joints
-
-
-def _span(points: Array, options: Options) -> Span:
-    chosen = options.span(len(points))
-    if chosen is None:
-        return (1 if leading_rest_pose(points) else 0), len(points)
-    start, stop = chosen
-    if stop - start < SEARCH.fewest:
-        raise TooShort(f"a period needs at least {SEARCH.fewest} frames, found {stop - start}")
-    return chosen
 
 
 def _step(fps: float, span: Span) -> int:

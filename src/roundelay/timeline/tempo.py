@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.spans import Spans
 from roundelay.timeline.agreement import best_lag
 from roundelay.timeline.limbs import Body
-from roundelay.timeline.prediction import Predicted, within
+from roundelay.timeline.prediction import Predicted, predict_all, within
 from roundelay.timeline.thresholds import ACCOUNT, ALIGNMENT, TEMPO
 
-__all__ = ["local_periods", "steady_pieces"]
+__all__ = ["local_periods", "refined", "steady_pieces", "without_pauses"]
 
 Array = NDArray[np.float64]
 
@@ -36,8 +37,8 @@ def local_periods(one: Predicted) -> tuple[Array, Array]:
 def steady_pieces(body: Body, one: Predicted) -> list[Predicted]:
     """Cut a stretch where its tempo changes for good; each piece is measured by itself."""
     when, lasted = local_periods(one)
-    if len(when) < ALIGNMENT.grid // 2:
-        return [_refined(body, one)]
+    if len(when) < ALIGNMENT.grid // 2 or one.candidate.turns is not None:
+        return [refined(body, one)]
     width = ALIGNMENT.grid // 4
     smooth = np.array(
         [
@@ -49,7 +50,7 @@ def steady_pieces(body: Body, one: Predicted) -> list[Predicted]:
     middles = when[:: width // 2] + 0.5 * smooth
     cuts = _pieces(np.log(smooth))
     if len(cuts) == 1:
-        return [_refined(body, one)]
+        return [refined(body, one)]
     found = []
     for number, (first, last) in enumerate(cuts):
         period = float(np.exp(np.median(np.log(smooth[first:last]))))
@@ -59,14 +60,79 @@ def steady_pieces(body: Body, one: Predicted) -> list[Predicted]:
         runs = [(a, b) for a, b in runs if b - a >= ACCOUNT.run * period]
         if sum(b - a for a, b in runs) < TEMPO.periods * period:
             continue
-        piece = within(body, replace(one, period=period), runs)
+        piece = _aligned_again(body, within(body, replace(one, period=period), runs))
         if piece is not None and piece.claimed.any():
-            found.append(_refined(body, piece))
-    return found or [_refined(body, one)]
+            found.append(refined(body, piece))
+    return found or [refined(body, one)]
 
 
-def _refined(body: Body, one: Predicted) -> Predicted:
-    """Take the lag at which the poses themselves agree best for the period."""
+def _aligned_again(body: Body, piece: Predicted | None) -> Predicted | None:
+    """Lay a piece of one run around a template of its own, if more limbs repeat by it."""
+    if piece is None or len(piece.runs) != 1:
+        return piece
+    ((start, stop),) = piece.runs
+    own = replace(piece.candidate, start=int(start), stop=int(np.ceil(stop)), period=piece.period)
+    for again in predict_all(body, [own]):
+        inside = within(body, again, piece.runs)
+        if inside is not None and inside.share > piece.share:
+            return inside
+    return piece
+
+
+def without_pauses(one: Predicted) -> Predicted:
+    """Cut the runs where the phase rests, twice as long as usual there and a good part of a period.
+
+    A person stands, or turns around, before going on. The usual time of a phase is the median of
+    the repetitions, or the shorter of two: what pauses whenever it passes does not pause.
+
+    Parameters
+    ----------
+    one : Predicted
+    """
+    if one.candidate.turns is not None:
+        return one
+    flat = one.times.ravel()
+    known = np.flatnonzero(np.isfinite(flat))
+    if len(one.times) < 2 or len(known) < 2:
+        return one
+    lasted = np.full(len(flat), np.nan)
+    follows = np.diff(known) == 1
+    lasted[known[:-1][follows]] = np.diff(flat[known])[follows]
+    by_phase = np.sort(lasted.reshape(one.times.shape), axis=0)
+    seen = np.isfinite(by_phase).sum(axis=0)
+    usual = by_phase[np.maximum((seen - 1) // 2, 0), np.arange(len(seen))]
+    excess = lasted - np.tile(np.nan_to_num(usual, nan=np.inf), len(one.times))
+    slow = np.nan_to_num(excess, nan=-1.0) > TEMPO.slower * np.tile(usual, len(one.times))
+    pauses = []
+    for first, last in Spans.of_mask(slow):
+        if excess[first:last].sum() > TEMPO.pause * one.period:
+            half = 0.5 * usual[first % len(usual)]
+            pauses.append((flat[first] + half, flat[last - 1] + lasted[last - 1] - half))
+    return replace(one, runs=_cut(one, pauses), pauses=tuple(pauses)) if pauses else one
+
+
+def _cut(one: Predicted, pauses: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Return the runs without some pauses, and without what is too short then."""
+    kept = []
+    for start, stop in one.runs:
+        here = start
+        for first, last in pauses:
+            if start < last and first < stop:
+                kept.append((here, max(here, first)))
+                here = max(here, last)
+        kept.append((here, stop))
+    kept = [(a, b) for a, b in kept if b - a >= ACCOUNT.run * one.period]
+    return tuple(kept) or one.runs
+
+
+def refined(body: Body, one: Predicted) -> Predicted:
+    """Take the lag at which the poses themselves agree best for the period.
+
+    Parameters
+    ----------
+    body : Body
+    one : Predicted
+    """
     signal = body.seen[:, body.joints(one.claimed)].reshape(len(body), -1).astype(float)
     lag, agrees = best_lag(signal, one.runs, one.period)
     return replace(one, period=lag) if agrees > 0.0 else one

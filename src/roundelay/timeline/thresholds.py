@@ -9,7 +9,7 @@ from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 __all__ = [
     "ACCOUNT",
     "ALIGNMENT",
-    "CLOSED",
+    "CHANCE",
     "CLOSING",
     "CLOUD",
     "EVIDENCE",
@@ -17,12 +17,11 @@ __all__ = [
     "GESTURES",
     "JUDGEMENT",
     "LIMBS",
+    "MERGING",
     "PREDICTABILITY",
     "PREDICTION",
-    "RECURRENCE",
     "SEARCH",
     "TEMPO",
-    "VERDICT",
 ]
 
 _SKETCH = "a sketch on 7 sources of captures"
@@ -62,75 +61,6 @@ class _Cloud(Thresholds):
 
 
 CLOUD = _Cloud()
-
-
-@dataclass(frozen=True)
-class _Recurrence(Thresholds):
-    """Which stretches are proposed because their poses come back."""
-
-    longest: float = constant(10.0, unit="seconds", origin="longest period; " + BY_EYE)
-    shortest: float = constant(
-        0.25, unit="seconds", origin="shortest period: the fastest cycles take .3 s"
-    )
-    returned: float = constant(
-        0.2,
-        unit="share of the largest squared distance on the way",
-        origin="a pose that comes so near is back; " + BY_EYE,
-    )
-    window: float = constant(
-        0.1,
-        unit="seconds to either side",
-        origin="long enough to tell a leg going forward from one going back, short against .3 s",
-    )
-    drift: float = constant(
-        1.6, unit="factor of the median lag", origin="how far the tempo may drift; " + BY_EYE
-    )
-    jump: int = constant(2, unit="frames of lag a frame", origin=BY_EYE)
-    gap: int = constant(3, unit="frames", origin=BY_EYE)
-    fewest: int = constant(3, unit="frames of a return", origin=BY_EYE)
-    least_repeat: float = constant(0.2, unit="periods along the path of poses", origin=BY_EYE)
-    close: float = constant(
-        0.05,
-        unit="share of the largest squared distance on the way",
-        origin="how near a return must be where nothing is seen twice; " + BY_EYE,
-    )
-    closeness: float = constant(
-        0.15,
-        unit="the same, a period seen again",
-        origin="fewer returns must be nearer; " + BY_EYE,
-    )
-    overlap: float = constant(
-        0.25, unit="periods", origin="a part with less of its own is no other motion; " + BY_EYE
-    )
-    alike: float = constant(
-        0.1,
-        unit="share of the loop's squared width",
-        origin="how near poses with velocities of one motion are in two parts; " + BY_EYE,
-    )
-    alike_period: float = constant(
-        0.67, unit="share of the mean period", origin="how far two periods may differ; " + BY_EYE
-    )
-    compared: int = constant(200, unit="poses of each part", origin="speed; " + BY_EYE)
-    prominent_limbs: float = constant(
-        4.0,
-        unit="times the next bar",
-        origin="where some limbs alone decide, more is asked of their loop; " + BY_EYE,
-    )
-
-
-RECURRENCE = _Recurrence()
-
-
-@dataclass(frozen=True)
-class _Closed(Thresholds):
-    """Which takes are proposed as one closed period."""
-
-    longest: float = constant(
-        10.0, unit="seconds", origin="a longer capture that ends as it began is a take; " + BY_EYE
-    )
-
-
-CLOSED = _Closed()
 
 
 @dataclass(frozen=True)
@@ -185,7 +115,7 @@ GESTURES = _Gestures()
 
 @dataclass(frozen=True)
 class _Evidence(Thresholds):
-    """What is measured of one motion."""
+    """What topology measures of one behaviour."""
 
     often: float = constant(
         4.0, unit="turns", origin="from so many on a class may have companions; " + BY_EYE
@@ -193,93 +123,21 @@ class _Evidence(Thresholds):
     nearly: float = constant(
         1.5, unit="factor of bars and of turns", origin="how unlike companions may be; " + BY_EYE
     )
-    same_phase: float = constant(0.25, unit="turns", origin=BY_EYE)
-    sample: int = constant(128, unit="frames", origin="8128 pairs stand for any two; " + BY_EYE)
-    again: float = constant(
-        2.0,
-        unit="a turn beyond the first",
-        origin="what is seen half again counts in full for the confidence; " + BY_EYE,
+    steady: float = constant(
+        0.8,
+        unit="net turns over all turns",
+        origin="of the coordinate that is the phase; noise turns back and forth",
     )
-    cells: int = constant(
-        8, unit="cells of a turn", origin="where pauses are looked for; " + BY_EYE
+    turns: float = constant(
+        0.2, unit="share of the repetitions", origin="by which its turns may differ; " + BY_EYE
     )
-    pause: float = constant(
-        0.35, unit="periods", origin="a pause lasts longer than this in one cell; " + BY_EYE
-    )
-    slower: float = constant(
-        1.0,
-        unit="usual times of a cell, in addition",
-        origin="a pause takes twice as long as usual; " + BY_EYE,
-    )
-    whole: float = constant(
-        0.75, unit="turns", origin="what pauses leave must show so much; " + BY_EYE
+    classes: int = constant(5, unit="longest bars", origin="that are tried; " + BY_EYE)
+    usual_period: float = constant(
+        1.0, unit="seconds", origin="where nothing repeats: a stride; as for excitations"
     )
 
 
 EVIDENCE = _Evidence()
-
-
-@dataclass(frozen=True)
-class _Verdict(Thresholds):
-    """What a periodic motion must show."""
-
-    least_turns: float = constant(
-        1.02, unit="turns", origin="more than one, so that something is seen twice"
-    )
-    steady: float = constant(
-        0.8,
-        unit="net turns over all turns",
-        origin="with enough turns, brings false positives on noise to 0-2 %: measured on an "
-        "Ornstein-Uhlenbeck process",
-    )
-    enough_turns: float = constant(
-        1.5, unit="turns", origin="the same measurement, where little of the take shows the motion"
-    )
-    share: float = constant(
-        0.3,
-        unit="share of the frames searched",
-        origin="in a long take something comes back once by chance; " + BY_EYE,
-    )
-    unique_turns: float = constant(1.3, unit="turns", origin=BY_EYE)
-    unique: float = constant(
-        10.0, unit="times the next bar", origin="a loop that stands out so is no chance; " + BY_EYE
-    )
-    beyond: float = constant(
-        0.5,
-        unit="times the next bar, a turn beyond the first",
-        origin="the less is seen twice, the more the loop must stand out; " + BY_EYE,
-    )
-    prominent: float = constant(
-        1.5,
-        unit="times the next bar",
-        origin="enough for few turns, and for ends that meet; " + BY_EYE,
-    )
-    chance: float = constant(
-        4.0,
-        unit="prominence to the power of the turns",
-        origin="chance of the confidence's formula at most a quarter; " + BY_EYE,
-    )
-    apart: float = constant(
-        0.85,
-        unit="share of the mean distance of any two poses",
-        origin="motions that repeat lie below .72 in all captures looked at",
-        margin="down to .72",
-    )
-    wider: float = constant(
-        8.0, unit="times the gap between the ends", origin="width of a closed loop; " + BY_EYE
-    )
-    chosen_steps: float = constant(
-        4.0, unit="usual steps", origin="gap of ends where frames were chosen by hand; " + BY_EYE
-    )
-    median_steps: float = constant(
-        1.5, unit="median steps", origin="a usual step is no less than this; " + BY_EYE
-    )
-    usual: int = constant(
-        95, unit="percentile of steps", origin="a usual step is no less than this; " + BY_EYE
-    )
-
-
-VERDICT = _Verdict()
 
 
 @dataclass(frozen=True)
@@ -312,6 +170,9 @@ class _Limbs(Thresholds):
         origin="of a limb that its axes hold; " + _SKETCH,
     )
     axes: int = constant(5, unit="principal axes", origin="of a limb at most; " + _SKETCH)
+    near: float = constant(
+        1.5, unit="seconds", origin="whose steps are compared with a jump; " + BY_EYE
+    )
     jump: float = constant(
         5.0,
         unit="steps",
@@ -334,9 +195,14 @@ class _Predictability(Thresholds):
         origin="3 % from one to the next; " + _SKETCH,
     )
     fills: float = constant(
-        0.62,
+        0.75,
         unit="share of a take",
         origin="that its longest period may fill; " + _SKETCH,
+    )
+    again: float = constant(
+        0.2,
+        unit="periods",
+        origin="that a take of less than two must show twice; gaits of 1.3 periods",
     )
     samples: int = constant(
         24,
@@ -478,10 +344,31 @@ PREDICTION = _Prediction()
 
 
 @dataclass(frozen=True)
+class _Chance(Thresholds):
+    """The null of smooth random motion."""
+
+    exact: float = constant(
+        0.005, unit="share", origin="of the difference of unlike poses that counts as none; noise"
+    )
+    least: float = constant(
+        0.0,
+        unit="nats",
+        origin="beyond the tries: at -1 a third more of random motion repeats, at 1 a tenth of the "
+        "stretches of walks is lost",
+    )
+    most: float = constant(
+        4.0, unit="nats", origin="beyond which the probability gains no more; " + BY_EYE
+    )
+
+
+CHANCE = _Chance()
+
+
+@dataclass(frozen=True)
 class _Account(Thresholds):
     """The best account of every frame of every limb."""
 
-    fewest: float = constant(1.3, unit="repetitions", origin="at least; " + _SKETCH)
+    fewest: float = constant(1.2, unit="repetitions", origin="at least; " + _SKETCH)
     change: float = constant(
         1.5, unit="nats", origin="that a change of the account must bring; .5 to 6 find as much"
     )
@@ -496,6 +383,9 @@ class _Account(Thresholds):
         origin="beyond which a repetition is not clearer; " + _SKETCH,
     )
     run: float = constant(0.6, unit="periods", origin="that a run must be long; " + _SKETCH)
+    end: float = constant(
+        0.06, unit="periods", origin="from the end of a take that are none; two steps of a phase"
+    )
     whole: float = constant(
         0.97,
         unit="share of the samples",
@@ -525,7 +415,7 @@ class _Tempo(Thresholds):
         unit="share of the deviation",
         origin="that a cut must take away; " + _SKETCH,
     )
-    periods: float = constant(1.6, unit="periods", origin="of a piece, at least; " + _SKETCH)
+    periods: float = constant(1.2, unit="periods", origin="of a piece, at least; as of a stretch")
     gap: float = constant(
         2.0,
         unit="periods",
@@ -537,9 +427,35 @@ class _Tempo(Thresholds):
         origin="within which the lag is refined; " + _SKETCH,
     )
     tried: int = constant(17, unit="lags", origin="that are tried; " + _SKETCH)
+    pause: float = constant(
+        0.35, unit="periods", origin="a pause lasts longer than this; " + BY_EYE
+    )
+    slower: float = constant(
+        1.0,
+        unit="usual times of a phase, in addition",
+        origin="a pause takes twice as long as usual",
+    )
 
 
 TEMPO = _Tempo()
+
+
+@dataclass(frozen=True)
+class _Merging(Thresholds):
+    """Stretches that are one behaviour."""
+
+    tempo: float = constant(
+        0.1, unit="share of the period", origin="within which two tempos are one; " + BY_EYE
+    )
+    alike: float = constant(
+        0.75, unit="correlation of templates", origin="from which two are one; " + BY_EYE
+    )
+    limbs: float = constant(
+        0.8, unit="share of the motion", origin="that limbs of both must hold; " + BY_EYE
+    )
+
+
+MERGING = _Merging()
 
 
 @dataclass(frozen=True)
@@ -566,15 +482,18 @@ class _Judgement(Thresholds):
         unit="correlation",
         origin="above the limit, beyond which a test says no more; " + _SKETCH,
     )
+    apart: float = constant(
+        0.5,
+        unit="periods",
+        origin="that runs must overlap; shorter ones are laid one after the other; yardstick",
+    )
     around: float = constant(
         0.03,
         unit="share of the lag",
         origin="by which half and twice the period may be off; " + _SKETCH,
     )
-    nats: float = constant(
-        0.3,
-        unit="nats",
-        origin="below which evidence says no more; " + _SKETCH,
+    share: float = constant(
+        0.01, unit="share of the motion", origin="below which limbs are as few as can be; " + BY_EYE
     )
     slowest: float = constant(
         0.05,
@@ -625,6 +544,9 @@ class _Closing(Thresholds):
     )
     gap: float = constant(
         1.75, unit="steps", origin="between the ends; a period of 16.5 frames cut to 16"
+    )
+    chosen: float = constant(
+        4.0, unit="steps", origin="the same, of frames chosen by hand; " + BY_EYE
     )
     clock: int = constant(
         32,

@@ -61,6 +61,7 @@ def cycle_data(
         "period": cycle.period,
         "repetitions": evidence.repetitions,
         "confidence": evidence.confidence,
+        "limbs": list(evidence.partial),
         "travel": float(np.linalg.norm(cycle.travel)) / space.size,
         "turning": float(np.degrees(cycle.turning)),
         "loop": _loop(motion, cycle, evidence, space, packer),

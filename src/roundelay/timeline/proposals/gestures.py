@@ -1,51 +1,67 @@
-"""Gestures: motions that recur with something else between, from excitation regions ([A] 4.6).
+"""Gestures: what recurs with something else between, from excitation regions ([A] 4.6).
 
 A punch thrown now and again has no period at which its poses come back; but the coordinate of
-its class turns once each time. The regions in which it does are cut out and analysed by
-themselves, as [A] does.
+its class turns once each time, and its regions show where.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from roundelay.base.errors import LiftError, NoPeriod
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.base.errors import LiftError
 from roundelay.base.spans import Span, Spans
+from roundelay.timeline.limbs import Body
 from roundelay.timeline.proposals.excitation import Excitation, excitations
-from roundelay.timeline.proposals.proposal import Proposal
-from roundelay.timeline.search import Search
-from roundelay.timeline.thresholds import GESTURES
+from roundelay.timeline.proposals.proposal import Candidate
+from roundelay.timeline.thresholds import GESTURES, SEARCH
 
 __all__ = ["Gestures", "gesture_runs", "turn_time"]
 
+Array = NDArray[np.float64]
+
 
 class Gestures:
-    """Propose what recurs, with or without something else between.
+    """Propose what recurs with something else between, the most significant class first."""
 
-    The most significant class comes first. If the user did not ask for gestures, those shown in
-    few stretches are left out.
-    """
+    name = "excitation"
 
-    name = "gestures"
-
-    def propose(self, search: Search) -> Iterator[Proposal]:
-        """Propose the regions in which each significant class turns.
-
-        Raises
-        ------
-        NoPeriod
-            If a class lifts to no integer cocycle.
-        """
-        fewest = 1 if search.options.gestures else GESTURES.often
-        points, prime = search.points[slice(*search.span)], search.options.topology.prime
+    def propose(self, body: Body) -> Iterator[Candidate]:
+        """Propose the frames from the first to the last time that a class turns."""
+        if not body.limbs or len(body) < SEARCH.fewest:
+            return
         try:
-            classes = excitations(points, search.fps, prime=prime).classes
-        except LiftError as error:
-            raise NoPeriod(f"no gesture recurs; {error}") from error
+            classes = excitations(body.signals, body.rate).classes
+        except LiftError:
+            return
         for excited in classes:
-            runs = gesture_runs(excited, search.span)
-            if len(runs) >= fewest:
-                yield Proposal(runs, turn_time(excited), fresh=GESTURES.new, rate=GESTURES.rate)
+            runs = gesture_runs(excited, (0, len(body)))
+            if len(runs) < GESTURES.often:
+                continue
+            turns = _whole_turns(excited.turns, runs)
+            shown = np.flatnonzero(np.isfinite(turns))
+            lasted = [stop - start for start, stop in Spans.of_mask(np.isfinite(turns))]
+            period = float(np.median(lasted))
+            yield Candidate("body", int(shown[0]), int(shown[-1]) + 1, period, turns)
+
+
+def _whole_turns(turns: Array, runs: Spans) -> Array:
+    """Return the turns (n,) of the runs, each cut to whole ones; NaN elsewhere.
+
+    All begin at the phase at which the runs do, so that each shows the gesture from its start.
+    """
+    begins = np.exp(2j * np.pi * np.array([turns[start] for start, _ in runs]))
+    begin = float(np.angle(begins.sum())) / (2.0 * np.pi)
+    result = np.full(len(turns), np.nan)
+    for start, stop in runs:
+        own = np.maximum.accumulate(turns[start:stop]) - begin
+        first = np.round(own[0])
+        count = max(1.0, np.round(own[-1] - own[0]))
+        a, b = np.searchsorted(own, (first, first + count))
+        result[start + a : min(start + b + 1, stop)] = own[a : b + 1]
+    return result
 
 
 def gesture_runs(excited: Excitation, span: Span) -> Spans:

@@ -1,49 +1,41 @@
-"""What a proposer gives: frames that may show one motion again and again."""
+"""What a proposer gives: a stretch of frames in which some limbs may repeat."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
-from roundelay.base.spans import Spans
-from roundelay.timeline.search import Search
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["Proposal", "Proposer"]
+from roundelay.timeline.limbs import Body
+
+__all__ = ["Candidate", "Proposer"]
 
 
-@dataclass(frozen=True)
-class Proposal:
-    """Frames that may show one motion.
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A stretch in which a group of limbs may repeat.
 
     Parameters
     ----------
-    runs : Spans
-        The frames.
+    group : str
+        As `Body.groups` names it.
+    start, stop : int
+        Half-open range of samples.
     period : float
-        Rough period in frames.
-    limbs : str
-        The limbs that show it, as `Search.of` takes them; empty for the whole body.
-    least_prominence : float
-        How many times the next bar its own must be, at least.
-    closed : bool
-        The frames are one period whose ends meet.
-    apart : tuple of Proposal
-        What to ask about, one by one, if all frames together are refused.
-    fresh : float
-        The share of its frames that must not be in anything accepted before.
-    rate : float, optional
-        Frames a second that topology looks at; by default as for the whole take.
+        In samples.
+    turns : (n,) ndarray, optional
+        Unwrapped phase of every sample of the take in turns, NaN where it is not shown: for what
+        recurs with something else between. By default the repetitions are aligned.
     """
 
-    runs: Spans
+    group: str
+    start: int
+    stop: int
     period: float
-    limbs: str = ""
-    least_prominence: float = 0.0
-    closed: bool = False
-    apart: tuple[Proposal, ...] = ()
-    fresh: float = 0.0
-    rate: float | None = None
+    turns: NDArray[np.float64] | None = field(default=None, repr=False)
 
 
 class Proposer(Protocol):
@@ -54,12 +46,12 @@ class Proposer(Protocol):
         """How `Options.proposers` names it."""
         ...
 
-    def propose(self, search: Search) -> Iterable[Proposal]:
-        """Propose frames, the most promising first.
+    def propose(self, body: Body) -> Iterable[Candidate]:
+        """Propose stretches, the most promising first.
 
         Parameters
         ----------
-        search : Search
-            The points of all frames, the span to look at, and what the user chose.
+        body : Body
+            The limbs of the frames that are looked at, at the clock of the search.
         """
         ...

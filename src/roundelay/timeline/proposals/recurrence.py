@@ -1,291 +1,276 @@
-"""Which parts of a capture are periodic: candidates from recurrence, for topology to judge.
+"""Stretches in which a period predicts the next one, limb group by limb group.
 
-A periodic part returns to each of its poses after about one period. For every frame the lags
-at which the pose comes back (valleys of the distance to later frames) are linked over time
-into *returns*: a run of frames, each with the lag after which it recurs. A return that covers
-more of the motion than chance would is a candidate part. This needs no model of the motion,
-follows a changing tempo, and costs time linear in the capture's length. The final word is
-the verdict's.
+For a stretch from s to s + 2 tau, how well its first half predicts the second is
+
+    S(s, tau) = 1 - (D + 2 f^2) / (2 (V + f^2)),
+
+with D the mean squared distance of samples tau apart, V the variance over both halves, and f the
+least amplitude that counts. A path through the lags follows the tempo; a stretch without a path
+repeats nothing. Cost grows linearly with the take: long lags are looked at on a coarser clock.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from roundelay.base.numeric import TINY
-from roundelay.base.spans import Spans
-from roundelay.motion.poses import lag_distances, with_velocity
-from roundelay.timeline.proposals.proposal import Proposal
-from roundelay.timeline.search import Search
-from roundelay.timeline.thresholds import RECURRENCE
+from roundelay.timeline.limbs import Body
+from roundelay.timeline.proposals.proposal import Candidate
+from roundelay.timeline.thresholds import PREDICTABILITY
 
-__all__ = ["Part", "Recurrence", "candidate_parts", "recurring_groups"]
+__all__ = ["Recurrence"]
 
 Array = NDArray[np.float64]
+Paths = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
-class Part:
-    """A stretch of a capture in which poses come back after a period.
+class _Rated:
+    """A candidate, and the mean of S over it."""
 
-    Parameters
-    ----------
-    start, stop : int
-        Half-open range of frames.
-    period : float
-        Typical lag of a return, in frames.
-    repeats : float
-        How often the period fits into the part, measured along the path of poses.
-    distance : float
-        Mean squared distance of returning poses over the largest on the way, in [0, 1).
-    """
-
-    start: int
-    stop: int
-    period: float
-    repeats: float
-    distance: float
-
-    @property
-    def score(self) -> float:
-        """How much of the motion recurs, and how well: for choosing among rivals."""
-        return (self.repeats - 1.0) * (1.0 - self.distance / RECURRENCE.returned)
-
-    def spread(self, step: int, first: int, last: int) -> Part:
-        """Express a part of every step-th frame from `first` on in all frames up to `last`."""
-        return replace(
-            self,
-            start=first + self.start * step,
-            stop=min(first + self.stop * step, last),
-            period=self.period * step,
-        )
-
-    def overlap(self, other: Part) -> int:
-        """Return the number of frames two parts share."""
-        return max(0, min(self.stop, other.stop) - max(self.start, other.start))
+    candidate: Candidate
+    predictability: float
 
 
 class Recurrence:
-    """Propose stretches in which poses recur, those of one motion together.
+    """Propose stretches in which a period predicts the next, the clearest first."""
 
-    Parameters
-    ----------
-    name : str
-    limbs : str
-        Look at these limbs alone: a few bones that do not repeat can hide those that do, as in
-        boxing ([C] ch. 7). What they show must stand out more.
-    """
+    name = "recurrence"
 
-    def __init__(self, name: str, limbs: str = "") -> None:
-        self.name, self._limbs = name, limbs
-
-    def propose(self, search: Search) -> Iterator[Proposal]:
-        """Propose each motion, best first; if refused as a whole, by its parts."""
-        own = search.of(self._limbs)
-        if own is None:
-            return
-        first, last = own.span
-        found = candidate_parts(own.points[first : last : own.step], own.fps / own.step)
-        parts = [part.spread(own.step, first, last) for part in found]
-        for group in recurring_groups(own.points, parts):
-            alone = tuple(self._proposal([part]) for part in group)
-            yield replace(self._proposal(group), apart=alone if len(group) > 1 else ())
-
-    def _proposal(self, group: list[Part]) -> Proposal:
-        runs = Spans.union((part.start, part.stop) for part in group)
-        period = float(np.median([part.period for part in group]))
-        least = RECURRENCE.prominent_limbs if self._limbs else 0.0
-        return Proposal(runs, period, self._limbs, least)
+    def propose(self, body: Body) -> list[Candidate]:
+        """Propose for every group of limbs."""
+        groups = body.groups()
+        lags = _lags(len(body), body.rate)
+        if not len(lags) or not groups:
+            return []
+        values = _predictability(body, groups, lags)
+        paths = _paths(values, lags)
+        found = []
+        for name, path, own in zip(groups, paths, values, strict=True):
+            found += [
+                rated
+                for start, stop in _runs(path)
+                for rated in _steady(name, path, own, start, stop, lags, body)
+            ]
+        return _distinct(found)
 
 
-def candidate_parts(points: ArrayLike, fps: float) -> list[Part]:
-    """Find stretches in which poses recur, without overlap, best first.
-
-    Parameters
-    ----------
-    points : (n, d) array_like
-        One point a frame, as from `roundelay.point_cloud`.
-    fps : float
-        Frames a second.
-
-    Returns
-    -------
-    list of Part
-    """
-    x = np.asarray(points, float)
-    reach = min(len(x) - 2, round(RECURRENCE.longest * fps))
-    if reach < 3:
-        return []
-    apart = lag_distances(x, reach)
-    ratio = _return_ratio(_averaged(apart, round(RECURRENCE.window * fps)))
-    arc = np.concatenate([[0.0], np.cumsum(np.sqrt(apart[:-1, 1]))])
-    linked = _link(_valleys(ratio, max(2, int(RECURRENCE.shortest * fps))))
-    tracks = [steady for track in linked for steady in _steady_stretches(track)]
-    parts = [_part(track, ratio, arc) for track in tracks]
-    return _choose([part for part in parts if _credible(part)])
+def _lags(samples: int, rate: float) -> Array:
+    """Return the lags in seconds, evenly spaced in their logarithm."""
+    longest = min(PREDICTABILITY.longest, PREDICTABILITY.fills * samples / rate)
+    if longest <= PREDICTABILITY.shortest:
+        return np.zeros(0)
+    count = int(np.log2(longest / PREDICTABILITY.shortest) * PREDICTABILITY.octave) + 1
+    return np.asarray(PREDICTABILITY.shortest * 2.0 ** (np.arange(count) / PREDICTABILITY.octave))
 
 
-def _averaged(apart: Array, half: int) -> Array:
-    """Average lag distances over frames within `half` of each: the delay embedding's.
+@dataclass(frozen=True, eq=False)
+class _Clock:
+    """Signals on a coarser clock, with running sums."""
 
-    Windows are cut at the ends of the capture rather than frames lost there.
-    """
-    known = np.isfinite(apart)
-    total = _padded_sums(np.where(known, apart, 0.0))
-    count = _padded_sums(known.astype(float))
-    frames = np.arange(len(apart))
-    first, last = np.maximum(frames - half, 0), np.minimum(frames + half + 1, len(apart))
-    with np.errstate(invalid="ignore"):
-        mean = (total[last] - total[first]) / (count[last] - count[first])
-    return np.where(known, mean, np.nan)
+    values: NDArray[np.float32]
+    sums: Array
+    squares: Array
+    seconds: float
 
-
-def _padded_sums(values: Array) -> Array:
-    return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
-
-
-def _return_ratio(apart: Array) -> Array:
-    """Divide each distance by the largest on the way to it; infinity where unknown."""
-    known = np.isfinite(apart)
-    largest = np.maximum.accumulate(np.where(known, apart, 0.0), axis=1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        ratio = apart / largest
-    return np.where(known & (largest > 0.0), ratio, np.inf)
+    @classmethod
+    def of(cls, body: Body, begins: Paths, times: int) -> _Clock:
+        """Average so many samples into one."""
+        count = len(body) // times
+        x = body.signals[: count * times].reshape(count, times, -1).mean(axis=1)
+        return cls(
+            x.astype(np.float32),
+            _running(x),
+            _running(np.add.reduceat(x * x, begins, axis=1)),
+            times / body.rate,
+        )
 
 
-def _valleys(ratio: Array, shortest: int) -> list[NDArray[np.intp]]:
-    """List for every frame the lags at which its pose has come back."""
-    low = np.zeros(ratio.shape, bool)
-    middle = ratio[:, 1:-1]
-    low[:, 1:-1] = (
-        (middle <= ratio[:, :-2]) & (middle <= ratio[:, 2:]) & (middle < RECURRENCE.returned)
+def _running(values: Array) -> Array:
+    return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0, dtype=float)])
+
+
+def _predictability(
+    body: Body, groups: dict[str, tuple[int, ...]], lags: Array
+) -> NDArray[np.float32]:
+    """Return S (groups, hops, lags): the best over the windows of two periods that hold a hop."""
+    begins = np.array([limb.columns[0] for limb in body.limbs])
+    member = np.array(
+        [[float(place in inside) for place in range(len(body.limbs))] for inside in groups.values()]
     )
-    low[:, :shortest] = False
-    rows, lags = np.nonzero(low)
-    return np.split(lags, np.searchsorted(rows, np.arange(1, len(ratio))))
-
-
-def _link(valleys: list[NDArray[np.intp]]) -> list[NDArray[np.intp]]:
-    """Chain valleys of neighbouring frames whose lags are near into tracks (frame, lag)."""
-    finished: list[list[tuple[int, int]]] = []
-    live: list[list[tuple[int, int]]] = []
-    for frame, lags in enumerate(valleys):
-        free, kept = set(lags.tolist()), []
-        for track in live:
-            last_frame, last_lag = track[-1]
-            reach = RECURRENCE.jump * (frame - last_frame)
-            near = [t for t in free if abs(t - last_lag) <= reach]
-            if near:
-                lag = min(near, key=lambda t: abs(t - last_lag))
-                free.discard(lag)
-                track.append((frame, lag))
-                kept.append(track)
-            else:
-                (kept if frame - last_frame <= RECURRENCE.gap else finished).append(track)
-        live = kept + [[(frame, lag)] for lag in sorted(free)]
-    return [np.array(track) for track in finished + live if len(track) >= RECURRENCE.fewest]
-
-
-def _steady_stretches(track: NDArray[np.intp]) -> list[NDArray[np.intp]]:
-    """Split a track where its lag leaves what is typical of it: there it changed its motion."""
-    lags = track[:, 1]
-    typical = np.median(lags)
-    within = (lags > typical / RECURRENCE.drift) & (lags < typical * RECURRENCE.drift)
-    if within.all():
-        return [track]
-    pieces = np.split(track, np.flatnonzero(np.diff(within)) + 1)
-    long = [piece for piece in pieces if len(piece) >= RECURRENCE.fewest]
-    return [steady for piece in long for steady in _steady_stretches(piece)]
-
-
-def _part(track: NDArray[np.intp], ratio: Array, arc: Array) -> Part:
-    frames, lags = track[:, 0], track[:, 1]
-    loop = float(np.median(arc[frames + lags] - arc[frames]))
-    return Part(
-        start=int(frames[0]),
-        stop=int(frames[-1] + lags[-1]) + 1,
-        period=float(np.median(lags)),
-        repeats=1.0 + float(arc[frames[-1]] - arc[frames[0]]) / max(loop, TINY),
-        distance=float(ratio[frames, lags].mean()),
+    hops = (
+        np.arange(max(1, int(np.ceil(len(body) / body.rate / PREDICTABILITY.hop))))
+        * PREDICTABILITY.hop
     )
+    result = np.full((len(groups), len(hops), len(lags)), -1.0, np.float32)
+    clocks: dict[int, _Clock] = {}
+    for number, lag in enumerate(lags):
+        times = 1 << (max(1, int(lag * body.rate / PREDICTABILITY.samples)).bit_length() - 1)
+        if times not in clocks:
+            clocks[times] = _Clock.of(body, begins, times)
+        clock = clocks[times]
+        windows = _windows(clock, begins, lag / clock.seconds)
+        if windows is None:
+            continue
+        apart, variance, length = windows
+        own = variance @ member.T
+        values = 1.0 - (apart @ member.T + 2 * PREDICTABILITY.least**2) / (
+            2.0 * (own + PREDICTABILITY.least**2)
+        )
+        best = _running_max(values, length)
+        at = np.minimum((hops / clock.seconds).astype(np.intp), len(best) - 1)
+        result[:, :, number] = best[at].T
+    return result
 
 
-def _credible(part: Part) -> bool:
-    """Ask for closer returns where fewer were seen."""
-    repeated = part.repeats - 1.0
-    near = min(RECURRENCE.returned, RECURRENCE.close + RECURRENCE.closeness * repeated)
-    return repeated >= RECURRENCE.least_repeat and part.distance <= near
+def _windows(clock: _Clock, begins: Paths, lag: float) -> tuple[Array, Array, int] | None:
+    """Return D and V (windows, limbs) of every window of two periods, and its length.
 
-
-def _choose(parts: list[Part]) -> list[Part]:
-    """Keep the best of rivals that share more than half of the shorter one's frames."""
-    chosen: list[Part] = []
-    for part in sorted(parts, key=lambda p: p.score, reverse=True):
-        short = [min(part.stop - part.start, c.stop - c.start) for c in chosen]
-        if all(2 * part.overlap(c) <= s for c, s in zip(chosen, short, strict=True)):
-            chosen.append(part)
-    return chosen
-
-
-def recurring_groups(points: ArrayLike, parts: list[Part]) -> list[list[Part]]:
-    """Group parts that show the same motion, each group in order of time.
-
-    Parameters
-    ----------
-    points : (n, d) array_like
-        One point a frame.
-    parts : list of Part
-        Best first, as from `candidate_parts`.
-
-    Returns
-    -------
-    list of list of Part
-        In the order of their best parts.
+    A take of less than two periods is one window, in which less than a period is compared.
     """
-    x = np.asarray(points, float)
-    groups: list[list[Part]] = []
-    for part in parts:
-        home = next((g for g in groups if _alike(x, g, part)), None)
-        if home is None:
-            groups.append([part])
-        else:
-            home.append(part)
-    return [sorted(group, key=lambda p: p.start) for group in groups]
+    x, whole, part = clock.values, int(lag), np.float32(lag % 1.0)
+    count = len(x)
+    width = min(round(lag), count - whole - 1)
+    if width < max(3, int(np.ceil(PREDICTABILITY.again * lag))):
+        return None
+    moved = x[whole : count - 1] * (1 - part) + x[whole + 1 :] * part
+    difference = x[: count - whole - 1] - moved
+    sums = _running(np.add.reduceat(difference * difference, begins, axis=1))
+    apart = (sums[width:] - sums[:-width]) / width
+    first = np.arange(len(apart))
+    mean = _both(clock.sums, first, whole, width)
+    squares = _both(clock.squares, first, whole, width)
+    variance = squares - np.add.reduceat(mean * mean, begins, axis=1)
+    return apart, np.maximum(variance, 0.0), min(width + whole + 1, count)
 
 
-def _alike(points: Array, group: list[Part], part: Part) -> bool:
-    """Compare a part with those of a group, without the frames that they share."""
-    start, stop = part.start, part.stop
-    for other in group:
-        pieces = (start, min(stop, other.start)), (max(start, other.stop), stop)
-        start, stop = max(pieces, key=lambda piece: piece[1] - piece[0])
-    if stop - start < RECURRENCE.overlap * part.period:
-        return True
-    return any(_near(points, other, part, (start, stop)) for other in group)
+def _both(sums: Array, first: Paths, whole: int, width: int) -> Array:
+    """Return the means over both halves of windows, from running sums."""
+    early = sums[first + width] - sums[first]
+    late = sums[np.minimum(first + whole + width + 1, len(sums) - 1)] - sums[first + whole + 1]
+    return np.asarray((early + late) / (2.0 * width))
 
 
-def _near(points: Array, first: Part, second: Part, own: tuple[int, int]) -> bool:
-    """Tell whether typical poses of each are near to poses of the other."""
-    period = 0.5 * (first.period + second.period)
-    if abs(first.period - second.period) > RECURRENCE.alike_period * period:
-        return False
-    clouds = [with_velocity(points, [run], period) for run in ((first.start, first.stop), own)]
-    a, b = (cloud[:: max(1, len(cloud) // RECURRENCE.compared)] for cloud in clouds)
-    apart = _squared(a, b)
-    pairs = ((a, apart.min(axis=1)), (b, apart.min(axis=0)))
-    return all(np.median(nearest) < RECURRENCE.alike * _width(cloud) for cloud, nearest in pairs)
+def _running_max(values: Array, width: int) -> Array:
+    """Return the largest (n + width - 1, g) of the values (n, g) whose windows hold a sample."""
+    result = np.full((len(values) + width - 1, values.shape[1]), -np.inf)
+    result[: len(values)] = values
+    reached = 1
+    while reached < width:
+        step = min(reached, width - reached)
+        np.maximum(result[step:], result[:-step].copy(), out=result[step:])
+        reached += step
+    return result
 
 
-def _width(cloud: Array) -> float:
-    """Return the largest squared distance within a cloud; a little more than 0."""
-    return max(float(_squared(cloud, cloud).max()), TINY)
+def _paths(values: NDArray[np.float32], lags: Array) -> Paths:
+    """Return the lag (groups, hops) that explains each hop best, -1 for none: Viterbi's path."""
+    groups, hops, count = values.shape
+    worth = values - PREDICTABILITY.explained - PREDICTABILITY.longer * np.log2(lags / lags[0])
+    gain = worth * np.sqrt(PREDICTABILITY.hop / lags)
+    back = np.zeros((hops, groups, count + 1), np.int16)
+    none, best, rows = np.zeros(groups), gain[:, 0].astype(float), np.arange(groups)
+    for hop in range(1, hops):
+        top = best.argmax(axis=1)
+        highest = best[rows, top]
+        stay, source = _kept_or_near(best)
+        other = highest - PREDICTABILITY.other * PREDICTABILITY.switch
+        enter = np.maximum(none - PREDICTABILITY.switch, other)
+        entered = np.where(none - PREDICTABILITY.switch >= other, -1, top)
+        fresh = enter[:, None] > stay
+        back[hop, :, 1:] = np.where(fresh, entered[:, None], source)
+        leave = highest - PREDICTABILITY.switch
+        back[hop, :, 0] = np.where(leave > none, top, -1)
+        none = np.maximum(none, leave)
+        best = np.where(fresh, enter[:, None], stay) + gain[:, hop]
+    paths = np.zeros((groups, hops), np.intp)
+    top = best.argmax(axis=1)
+    paths[:, -1] = np.where(best[rows, top] > none, top, -1)
+    for hop in range(hops - 1, 0, -1):
+        paths[:, hop - 1] = back[hop, rows, paths[:, hop] + 1]
+    return paths
 
 
-def _squared(a: Array, b: Array) -> Array:
-    inner = a @ b.T
-    squares = np.einsum("ij,ij->i", a, a)[:, None] + np.einsum("ij,ij->i", b, b)
-    return np.maximum(squares - 2.0 * inner, 0.0)
+def _kept_or_near(best: Array) -> tuple[Array, Paths]:
+    """Return the best (groups, lags) of the same lag and those near it, and which lag that was."""
+    reach, count = PREDICTABILITY.reach, best.shape[1]
+    padded = np.pad(best, ((0, 0), (reach, reach)), constant_values=-np.inf)
+    around = np.stack(
+        [
+            padded[:, reach + shift : reach + shift + count] - PREDICTABILITY.wobble * abs(shift)
+            for shift in range(-reach, reach + 1)
+        ]
+    )
+    choice = around.argmax(axis=0)
+    stay = np.take_along_axis(around, choice[None], axis=0)[0]
+    return stay, np.arange(count) + choice - reach
+
+
+def _runs(path: Paths) -> list[tuple[int, int]]:
+    """List the ranges of hops in which a path goes on without a jump of the lag."""
+    jumps = np.abs(np.diff(path)) > PREDICTABILITY.reach
+    ends = np.flatnonzero(jumps | (path[1:] < 0) | (path[:-1] < 0)) + 1
+    bounds = [0, *ends.tolist(), len(path)]
+    ranges = pairwise(bounds)
+    return [(start, stop) for start, stop in ranges if path[start] >= 0]
+
+
+def _steady(
+    group: str,
+    path: Paths,
+    own: NDArray[np.float32],
+    start: int,
+    stop: int,
+    lags: Array,
+    body: Body,
+) -> list[_Rated]:
+    """Cut a run of hops into candidates of steady lag."""
+    found = []
+    for first, last in _pieces(path[start:stop]):
+        a, b = start + first, start + last
+        lag = float(lags[round(float(np.median(path[a:b])))])
+        begin = int(a * PREDICTABILITY.hop * body.rate)
+        end = min(len(body), int(np.ceil(b * PREDICTABILITY.hop * body.rate)))
+        if end - begin >= PREDICTABILITY.periods * lag * body.rate:
+            clear = float(own[np.arange(a, b), path[a:b]].mean())
+            found.append(_Rated(Candidate(group, begin, end, lag * body.rate), clear))
+    return found
+
+
+def _pieces(lags: Paths) -> list[tuple[int, int]]:
+    """Cut a path of lags into pieces within some steps of their median."""
+    if np.abs(lags - np.median(lags)).max() <= PREDICTABILITY.steady or len(lags) < 4:
+        return [(0, len(lags))]
+    cuts = range(2, len(lags) - 1, max(1, len(lags) // 40))
+    if not cuts:
+        return [(0, len(lags))]
+    cut = min(cuts, key=lambda c: _deviation(lags[:c]) + _deviation(lags[c:]))
+    return _pieces(lags[:cut]) + [(a + cut, b + cut) for a, b in _pieces(lags[cut:])]
+
+
+def _deviation(lags: Paths) -> float:
+    return float(np.abs(lags - np.median(lags)).sum())
+
+
+def _distinct(found: list[_Rated]) -> list[Candidate]:
+    """Keep the clearest of those that are nearly the same."""
+    kept: list[Candidate] = []
+    for rated in sorted(found, key=_clearness, reverse=True):
+        if not any(_alike(rated.candidate, other) for other in kept):
+            kept.append(rated.candidate)
+    return kept
+
+
+def _clearness(rated: _Rated) -> float:
+    length = rated.candidate.stop - rated.candidate.start
+    return rated.predictability + PREDICTABILITY.clearer * float(np.log(length))
+
+
+def _alike(first: Candidate, second: Candidate) -> bool:
+    shared = min(first.stop, second.stop) - max(first.start, second.start)
+    covered = max(first.stop, second.stop) - min(first.start, second.start)
+    near = abs(np.log(first.period / second.period)) < PREDICTABILITY.near
+    return bool(near and shared > PREDICTABILITY.same * covered)

@@ -36,12 +36,17 @@ function facts(motion) {
   const rows = [
     ["Period", `${motion.period.toFixed(2)} s`],
     ["Seen", `${motion.repetitions.toFixed(2)} times`],
-    ["Certainty", `${Math.round(100 * motion.confidence)} %`],
+    ["Certainty", certainty(motion)],
+    ...(motion.limbs.length ? [["Limbs", motion.limbs.join(", ")]] : []),
     lead,
     ["Travel", `${motion.travel.toFixed(2)} sizes`],
   ];
   if (Math.abs(motion.turning) >= 1) rows.push(["Turning", `${motion.turning.toFixed(0)}°`]);
   return rows;
+}
+
+function certainty({ confidence }) {
+  return confidence === null ? "one pass whose ends meet" : `${Math.round(100 * confidence)} %`;
 }
 
 function fillQuality(motion) {

@@ -1,0 +1,55 @@
+"""The null: how likely smooth random motion of the take's own dimension and tempo repeats so well.
+
+For n independent numbers that agree by chance, the mean squared difference falls to a share e of
+what it is for unlike poses with a probability of about exp(-n I(e)), I(e) = (e - 1 - ln e) / 2 (the
+large deviations of a chi-squared variable). A take offers as many other places to try as it has
+correlation times beside the repetitions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.base.numeric import SMALLEST
+from roundelay.timeline.limbs import Body
+from roundelay.timeline.prediction import Predicted
+from roundelay.timeline.thresholds import CHANCE
+
+__all__ = ["excess"]
+
+Array = NDArray[np.float64]
+
+
+def excess(body: Body, one: Predicted) -> float:
+    """Return the evidence in nats, beyond what the number of places to try brings by chance.
+
+    Parameters
+    ----------
+    body : Body
+    one : Predicted
+        With at least one limb claimed.
+    """
+    own = body.signals[:, body.columns(tuple(np.flatnonzero(one.claimed).tolist()))]
+    numbers = one.again * _dimension(own) / (np.pi * one.slowness)
+    # Of R repetitions that are unlike, each differs from the mean of the others by R / (R - 1).
+    showings = max(2.0, one.repetitions)
+    unlike = (1.0 - one.explained) * (showings - 1.0) / showings
+    share = float(np.clip(unlike, CHANCE.exact, 1.0))
+    elsewhere = max(0.0, len(own) - sum(stop - start for start, stop in one.runs))
+    places = 1.0 + elsewhere / (np.pi * _correlation_time(own))
+    information = 0.5 * (share - 1.0 - np.log(share))
+    return float(numbers * information - np.log(places))
+
+
+def _dimension(values: Array) -> float:
+    """Return the participation ratio of the variances along principal axes."""
+    centred = values - values.mean(axis=0)
+    covariance = centred.T @ centred
+    return float(np.trace(covariance) ** 2 / max(float(np.sum(covariance**2)), SMALLEST))
+
+
+def _correlation_time(values: Array) -> float:
+    """Return the deviation over that of the change from sample to sample, in samples."""
+    change = float(np.sum(np.mean(np.diff(values, axis=0) ** 2, axis=0)))
+    return float(np.sqrt(np.sum(np.var(values, axis=0)) / max(change, SMALLEST)))

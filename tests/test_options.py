@@ -123,7 +123,7 @@ def test_unknown_names_are_refused(kind):
 
 def test_tables_list_what_is_registered():
     text = tables.tables()
-    assert "Format of the file: bvh, amc, glb, gltf." in text
+    assert "Format of the file: bvh, amc, glb, gltf, fbx." in text
     assert "{" not in text
 
 

@@ -77,6 +77,23 @@ def test_a_loop_for_engines(walk, tmp_path):
     assert set(cycle["playback"]["contacts"]) == {"LeftFoot", "RightFoot"}
 
 
+def test_a_loop_in_fbx_lasts_a_whole_period(walk, tmp_path):
+    arguments = ["loop", str(walk), "-o", str(tmp_path), "--format", "fbx", "--no-picture"]
+    result = runner.invoke(app, [*arguments, "--fps", "30"])
+    assert result.exit_code == 0, result.output
+    (cycle,) = json.loads((tmp_path / "walk_loop.json").read_text())["cycles"]
+    assert (cycle["playback"]["frames"], cycle["loop_frames"]) == (33, 34)
+    raw = (tmp_path / "walk_loop.fbx").read_bytes()
+    at = raw.index(b"LocalStop") + len(b"LocalStopS\5\0\0\0KTimeS\4\0\0\0TimeS\0\0\0\0L")
+    assert struct.unpack_from("<q", raw, at)[0] / 46_186_158_000 == pytest.approx(33 / 30)
+
+
+def test_a_capture_becomes_fbx(walk, tmp_path):
+    result = runner.invoke(app, ["convert", str(walk), str(tmp_path / "walk.FBX")])
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "walk.FBX").read_bytes()[:18] == b"Kaydara FBX Binary"
+
+
 def test_a_blend_for_engines_lasts_a_whole_period(walk, tmp_path):
     path = tmp_path / "mixed.GLB"
     result = runner.invoke(app, ["blend", str(walk), str(walk), "--fps", "30", "-o", str(path)])
@@ -133,7 +150,7 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
             "expected fps as a number, more than 0 and at most 10000",
         ),
         (
-            ["loop", "{walk}", "--format", "fbx"],
+            ["loop", "{walk}", "--format", "usd"],
             "expected a format among",
         ),
         (["loop", "{walk}", "--fps", "1e9"], "in frames a second, found 1000000000.0"),
@@ -152,7 +169,7 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
         (["view", "{walk}", "-o", "{out}"], "{out}: expected a file, found a folder"),
         (["search", "{walk}", "{out}"], "no library.json in it"),
         (["blend", "{walk}", "{walk}", "-o", "{out}/b.bvh", "--shares", "1"], "2 in all, found 1"),
-        (["convert", "{walk}", "{out}/walk.fbx"], "file of type"),
+        (["convert", "{walk}", "{out}/walk.usd"], "file of type"),
         (["convert", "{walk}", "{out}/walk.bvh", "--resize", "0"], "expected resize as a number"),
         (["convert", "{walk}", "{out}/walk.bvh", "--frames", "9:3"], "frames within"),
     ],

@@ -92,8 +92,8 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
     """Write a motion to a file, in the format its suffix names.
 
     A motion read from the same format is written with that file's channels. An AMC gets its
-    ASF beside it, of the same name; ``.glb`` and ``.gltf`` are for engines, and not read. The
-    file appears whole or not at all.
+    ASF beside it, of the same name; ``.glb``, ``.gltf`` and ``.fbx`` are for engines and animators,
+    and not read. The file appears whole or not at all.
 
     Raises
     ------

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from roundelay.base.files import written_beside
 from roundelay.base.version import __version__
+from roundelay.formats.moving import moving_joints
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.motion.motion import Motion
@@ -28,8 +29,6 @@ Json = dict[str, Any]
 
 _FLOAT = 5126
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
-# A joint moves if it leaves its offset by more than this, in body sizes.
-_MOVES = 1e-6
 
 
 class _Buffer:
@@ -136,12 +135,8 @@ def _animation(motion: Motion, upright: Array, buffer: _Buffer) -> Json:
     for joint in range(motion.skeleton.n_joints):
         values = buffer.add("VEC4", np.roll(turns[:, joint], -1, axis=-1))
         tracks.append((joint, "rotation", values))
-    if motion.translations is not None:
-        away = np.abs(motion.translations - motion.skeleton.offsets).max(axis=(0, 2))
-        moving = np.flatnonzero(away > _MOVES * motion.skeleton.size)
-        for joint in moving[moving > 0].tolist():
-            values = buffer.add("VEC3", motion.translations[:, joint])
-            tracks.append((joint, "translation", values))
+    for joint, places in moving_joints(motion):
+        tracks.append((joint, "translation", buffer.add("VEC3", places)))
     return {
         "name": motion.name or "motion",
         "samplers": [{"input": times, "output": values} for _, _, values in tracks],

@@ -17,6 +17,7 @@ from roundelay.formats.acclaim_writer import AmcWriter
 from roundelay.formats.amc import AmcReader
 from roundelay.formats.bvh import BvhReader
 from roundelay.formats.bvh_writer import BvhWriter
+from roundelay.formats.fbx_writer import FbxWriter
 from roundelay.formats.gltf import GltfWriter
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
@@ -131,6 +132,7 @@ writers: Registry[Writer] = Registry("writer", "roundelay.writers", Writer)
 writers.add(BvhWriter())
 writers.add(AmcWriter())
 writers.add(GltfWriter())
+writers.add(FbxWriter())
 
 _Known = TypeVar("_Known", bound=Suffixed)
 

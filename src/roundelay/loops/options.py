@@ -32,7 +32,7 @@ class LoopOptions(Checked):
     repair : bool
         Part limbs that pass through each other more than they do in the capture.
     file_format : str
-        "bvh", "amc", "glb", "gltf", or a suffix that a plug-in's writer knows.
+        "bvh", "amc", "glb", "gltf", "fbx", or a suffix that a plug-in's writer knows.
     profile : str
         What the record tells of playing the loop, by the name of an export profile.
 
@@ -54,7 +54,7 @@ class LoopOptions(Checked):
     periods: int = option(1, "Write so many periods, one after the other.", least=1, most=1000)
     in_place: bool = option(False, "Leave the root's travel and turning out.")
     repeat_first: bool = option(
-        False, "Let the last frame repeat the first; in a GLB or glTF file it always does."
+        False, "Let the last frame repeat the first; in a glTF or FBX file it always does."
     )
     foot_lock: bool = option(True, "Keep standing feet where they stand.", label="Hold Feet")
     repair: bool = option(

@@ -1,0 +1,78 @@
+"""Motions that FBX files are made of: captures, loops, and what is rare."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import roundelay as rl
+from roundelay import synth
+from roundelay.geometry import rotations as rot
+
+NAMES = (
+    "01_01",
+    "01_03",
+    "Boxing_Toes",
+    "loop",
+    "z up",
+    "x up",
+    "moving",
+    "one joint",
+    "one frame",
+    "names",
+)
+
+
+def made(name: str, captures: Path) -> rl.Motion:
+    """Return a sample by its name."""
+    if (captures / f"{name}.bvh").exists():
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return rl.read(captures / f"{name}.bvh")
+    return {
+        "loop": _loop,
+        "z up": lambda walk: turned(walk, 2),
+        "x up": lambda walk: turned(walk, 0),
+        "moving": _moving,
+        "one joint": _one_joint,
+        "one frame": lambda walk: walk[:1],
+        "names": _named,
+    }[name](synth.gait("walk", repetitions=3, turning=0.4, fps=30).motion)
+
+
+def turned(motion: rl.Motion, up: int) -> rl.Motion:
+    """Return a motion whose Y points up in a world where another axis does."""
+    turn = rot.from_rotation_vector(np.array([[0, 0, -1], [0, 0, 0], [1, 0, 0]][up]) * np.pi / 2)
+    rotations = motion.rotations.copy()
+    rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
+    return replace(motion, rotations=rotations, root_path=rot.rotate(turn, motion.root_path), up=up)
+
+
+def _loop(walk: rl.Motion) -> rl.Motion:
+    return rl.find_cycles(walk)[0].sample(fps=30, repeat_first=True)
+
+
+def _moving(walk: rl.Motion) -> rl.Motion:
+    moved = np.tile(walk.skeleton.offsets, (len(walk), 1, 1))
+    moved[:, 3, 1] += 0.1 * np.sin(np.arange(len(walk)))
+    moved[:, 5, 0] += 0.05 * np.cos(np.arange(len(walk)))
+    return replace(walk, translations=moved)
+
+
+def _one_joint(walk: rl.Motion) -> rl.Motion:
+    skeleton = rl.Skeleton(("only",), (-1,), np.array([[1.0, 2.0, 3.0]]))
+    turns = rot.from_rotation_vector(np.linspace(0.0, 9.0, len(walk))[:, None, None] * np.ones(3))
+    return replace(walk, skeleton=skeleton, rotations=turns)
+
+
+def _named(walk: rl.Motion) -> rl.Motion:
+    """Return names in other scripts, and ends that would be named like joints and each other."""
+    old = walk.skeleton
+    neck, names = old.index("Neck"), list(old.names)
+    names[old.index("Spine")], names[old.index("Chest")] = "Rücken 背中", "Neck_end"
+    ends = (*old.end_sites, (neck, np.array([0.0, 0.1, 0.0])), (neck, np.array([0.1, 0.0, 0.0])))
+    skeleton = rl.Skeleton(tuple(names), old.parents, old.offsets, ends)
+    return replace(walk, skeleton=skeleton, name="Gång")

@@ -40,10 +40,12 @@ def figures_of(one: Predicted, tests: tuple[Test, ...]) -> dict[str, float]:
     """
     *agreements, chance = tests
     spread, warp = _unsteadiness(one.times)
-    return {
+    passed_by = {
         test.name: float(np.clip(test.value - test.limit, JUDGEMENT.fails, JUDGEMENT.passes))
         for test in agreements
-    } | {
+    }
+    return passed_by | {
+        "worst": min(passed_by.values()),
         chance.name: min(chance.value, CHANCE.most),
         "limbs": float(np.log(one.claimed.sum())),
         "share": float(np.log(max(one.share, JUDGEMENT.share))),

@@ -16,6 +16,7 @@ from roundelay.timeline.thresholds import ACCOUNT, ALIGNMENT, TEMPO
 __all__ = ["local_periods", "refined", "steady_pieces", "without_pauses"]
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 
 def local_periods(one: Predicted) -> tuple[Array, Array]:
@@ -60,21 +61,24 @@ def steady_pieces(body: Body, one: Predicted) -> list[Predicted]:
         runs = [(a, b) for a, b in runs if b - a >= ACCOUNT.run * period]
         if sum(b - a for a, b in runs) < TEMPO.periods * period:
             continue
-        piece = _aligned_again(body, within(body, replace(one, period=period), runs))
+        piece = _aligned_again(body, within(body, replace(one, period=period), runs), one.claimed)
         if piece is not None and piece.claimed.any():
             found.append(refined(body, piece))
     return found or [refined(body, one)]
 
 
-def _aligned_again(body: Body, piece: Predicted | None) -> Predicted | None:
-    """Lay a piece of one run around a template of its own, if more limbs repeat by it."""
+def _aligned_again(body: Body, piece: Predicted | None, free: Mask) -> Predicted | None:
+    """Lay a piece of one run around a template of its own, if more free limbs repeat by it."""
     if piece is None or len(piece.runs) != 1:
         return piece
     ((start, stop),) = piece.runs
     own = replace(piece.candidate, start=int(start), stop=int(np.ceil(stop)), period=piece.period)
     for again in predict_all(body, [own]):
         inside = within(body, again, piece.runs)
-        if inside is not None and inside.share > piece.share:
+        if inside is None:
+            continue
+        inside = replace(inside, claimed=inside.claimed & free)
+        if inside.share > piece.share:
             return inside
     return piece
 

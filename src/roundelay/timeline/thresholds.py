@@ -351,10 +351,10 @@ class _Chance(Thresholds):
         0.005, unit="share", origin="of the difference of unlike poses that counts as none; noise"
     )
     least: float = constant(
-        0.0,
+        1.0,
         unit="nats",
-        origin="beyond the tries: at -1 a third more of random motion repeats, at 1 a tenth of the "
-        "stretches of walks is lost",
+        origin="beyond the tries: at 0 three times as much random motion repeats, at 2 a tenth of "
+        "the stretches of walks is lost",
     )
     most: float = constant(
         4.0, unit="nats", origin="beyond which the probability gains no more; " + BY_EYE

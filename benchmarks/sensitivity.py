@@ -284,7 +284,8 @@ def _cycle_of(motion: rl.Motion, options: Options) -> Outcome:
     first = cycles[0]
     pace = float(np.linalg.norm(first.pose(np.arange(32) / 32, derivative=1)))
     travel = float(np.linalg.norm(first.travel)) / motion.skeleton.size
-    figures = (first.evidence.confidence, first.evidence.repetitions, pace, travel)
+    above = 0.0 if first.above is None else float(len(first.above.places))
+    figures = (first.evidence.confidence, first.evidence.repetitions, pace, travel, above)
     return Outcome(len(cycles), first.period, figures)
 
 

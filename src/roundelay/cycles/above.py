@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from roundelay.base.brief import brief
 from roundelay.base.numeric import ROUNDING
 from roundelay.geometry import rotations as rot
+from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.symmetry import reflected_rotations, reflection
 from roundelay.motion.motion import Motion
 
@@ -75,12 +76,13 @@ class Above:
             The steady path.
         """
         chain = list(motion.skeleton.trunk[: len(self.places) + 1])
-        hung = chain[1:]
-        carried = motion.skeleton.offsets[hung].sum(axis=0)
-        place = motion.root_path + rot.rotate(motion.rotations[:, 0], carried)
+        hung, carrier = chain[1:], chain[-1:]
+        body, facing = forward_kinematics(
+            motion.skeleton, motion.rotations, motion.root_path, translations=motion.translations
+        )
         above, where = self._world(turn, path)
-        turns = np.concatenate([above, motion.rotations[:, :1]], axis=1)
-        places = np.concatenate([where, place[:, None]], axis=1)
+        turns = np.concatenate([above, facing[:, carrier]], axis=1)
+        places = np.concatenate([where, body[:, carrier]], axis=1)
         back = rot.conjugate(turns[:, :-1])
         rotations = motion.rotations.copy()
         rotations[:, 0], rotations[:, hung] = turns[:, 0], rot.multiply(back, turns[:, 1:])

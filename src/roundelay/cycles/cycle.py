@@ -85,6 +85,16 @@ class Cycle:
         """Displacement (3,) of the root over one period, in the skeleton's length unit."""
         return self.root_path(np.array([0.0, 1.0]))[1] - self.root_path(np.zeros(1))[0]
 
+    @property
+    def speed(self) -> float:
+        """Mean speed along the ground, in the skeleton's length unit a second."""
+        return float(np.linalg.norm(np.delete(self.velocity.constant, self.up))) / self.period
+
+    @property
+    def travels(self) -> bool:
+        """Whether it goes anywhere, rather than stays where it is but for some drift."""
+        return bool(self.speed * self.period >= CYCLE.travels * self.skeleton.size)
+
     def rotations(self, phase: ArrayLike) -> Array:
         """Return local rotations (n, J, 4) at phases (n,), the root's without its turning."""
         x = np.asarray(phase, float)
@@ -218,11 +228,9 @@ class Cycle:
 
     def _turn_to(self, direction: float) -> float:
         """Return the angle from where phase 0 travels to a direction; 0 without travel."""
-        ahead, aside = (self.up + 1) % 3, (self.up + 2) % 3
-        speed = self.velocity.constant
-        if np.hypot(speed[ahead], speed[aside]) < CYCLE.travels * self.skeleton.size:
+        if not self.travels:
             return 0.0
-        return direction - float(np.arctan2(speed[aside], speed[ahead]))
+        return direction - float(np.angle(self._as_complex(self.velocity.constant)))
 
     @one_thread
     def at(self, phase: ArrayLike, *, frame_time: float, in_place: bool = False) -> Motion:

@@ -167,8 +167,7 @@ def _resting(skeleton: Skeleton) -> HarmonicCurve:
 
 def _parameter(cycle: Cycle, by: str) -> float:
     if by == "speed":
-        flat = np.delete(cycle.velocity.constant, cycle.up)
-        return float(np.linalg.norm(flat)) / cycle.period
+        return cycle.speed
     if by == "turning":
         return cycle.turning / cycle.period
     if by == "period":

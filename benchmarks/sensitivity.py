@@ -45,6 +45,8 @@ from roundelay.geometry.kinematics import vertical_axis
 from roundelay.library.groups import grouped
 from roundelay.library.store import Shelf
 from roundelay.loops.profiles import foot_contacts
+from roundelay.loops.units import Lengths
+from roundelay.loops.verdict import verdict_of
 from roundelay.motion.features import point_cloud
 from roundelay.segmentation import segment_channels
 from roundelay.segmentation.gmm import GMMOptions
@@ -284,7 +286,8 @@ def _cycle_of(motion: rl.Motion, options: Options) -> Outcome:
     first = cycles[0]
     pace = float(np.linalg.norm(first.pose(np.arange(32) / 32, derivative=1)))
     travel = float(np.linalg.norm(first.travel)) / motion.skeleton.size
-    figures = (first.evidence.confidence, first.evidence.repetitions, pace, travel)
+    above = 0.0 if first.above is None else float(len(first.above.places))
+    figures = (first.evidence.confidence, first.evidence.repetitions, pace, travel, above)
     return Outcome(len(cycles), first.period, figures)
 
 
@@ -299,6 +302,7 @@ def _looped(motion: rl.Motion) -> Outcome:
     first = cycles[0]
     mended, turns = repaired(first, source_parts(first, motion))
     measured = rl.quality(mended, motion)
+    judged = verdict_of(mended, motion, mended.sample(), measured)
     stands = foot_contacts(mended, motion.fps)
     stood = sum(stop - start for spans in stands.values() for start, stop in spans)
     figures = (
@@ -310,6 +314,9 @@ def _looped(motion: rl.Motion) -> Outcome:
         stood / (first.period * motion.fps),
         float(len(stands)),
         float(len(turns)),
+        Lengths.of(motion.skeleton).metres or 0.0,
+        float(len(judged.reasons)),
+        float(len(judged.word)),
         *sorted(one.angle for one in turns),
     )
     return Outcome(len(cycles), first.period, figures)

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from roundelay import Cycle, Motion, NoPeriod, Options, TopologyOptions
+from roundelay.cycles.captured import as_captured
 from roundelay.cycles.edit.separate import repaired
 from roundelay.cycles.models.regression import fit_cycle
+from roundelay.geometry import rotations as rot
 from roundelay.phase.harmonic import HarmonicCurve
 from roundelay.pipeline import make_cycle
 from roundelay.timeline.inspection import inspect
@@ -47,7 +49,8 @@ def cycles_by_hand(motion: Motion, options: Options, chosen: Chosen) -> list[Cyc
 def cycle_of_loop(loop: Motion, period: int) -> Cycle:
     """Return the cycle whose repeated loop this is, `period` frames a turn."""
     phase = np.arange(len(loop)) / period
-    return fit_cycle(loop.with_root_motion(), phase, [(0, len(loop))])
+    runs = [(0, len(loop))]
+    return as_captured(fit_cycle(loop.with_root_motion(), phase, runs), loop, phase, runs)
 
 
 def _chosen_cycle(motion: Motion, found: Any, options: Options, number: int, index: int) -> Cycle:
@@ -75,18 +78,28 @@ def loop_of(cycle: Cycle, capture: Motion, settings: Any, fps: float) -> Motion:
     if settings.travel_harmonics:
         cycle = replace(cycle, velocity=_first(cycle.velocity, settings.travel_harmonics))
     sampling = {"fps": fps, "start": settings.start_phase, "foot_lock": settings.foot_lock}
-    loop = cycle.sample(**sampling, repeat_first=True)
-    paths = {
-        "TRAVEL": loop.root_path,
-        "SWAY": cycle.sample(**sampling, repeat_first=True, in_place=True).root_path,
-        "NONE": np.zeros_like(loop.root_path),
-    }
+    loop = cycle.sample(**sampling, repeat_first=True).with_root_motion()
+    still = cycle.sample(**sampling, repeat_first=True, in_place=True).with_root_motion()
+    none = np.zeros_like(loop.root_path)
+    path = _by_axis(settings, loop.root_path, still.root_path, none)
+    begin = _beginning(cycle, capture, path)
+    loop = replace(loop, root_path=path + begin)
+    if cycle.above is not None:
+        steady = cycle.steady_path(settings.start_phase + np.linspace(0.0, 1.0, len(loop)))
+        flat = np.where(np.arange(3) == cycle.up, 0.0, begin)
+        above = replace(cycle.above, places=cycle.above.places + flat)
+        steady = _by_axis(settings, steady, none, none)
+        loop = above.given(loop, rot.identity(len(loop)), steady)
+    return loop.mirror() if settings.mirror else loop
+
+
+def _by_axis(settings: Any, travel: np.ndarray, sway: np.ndarray, none: np.ndarray) -> np.ndarray:
+    """Return the path (F, 3) of which every axis is what the panel says."""
+    paths = {"TRAVEL": travel, "SWAY": sway, "NONE": none}
     models = [settings.travel] * 3
     if settings.travel == "AXES":
         models = [settings.travel_x, settings.travel_y, settings.travel_z]
-    path = np.column_stack([paths[model][:, axis] for axis, model in enumerate(models)])
-    loop = replace(loop, root_path=path + _beginning(cycle, capture, path))
-    return loop.mirror() if settings.mirror else loop
+    return np.column_stack([paths[model][:, axis] for axis, model in enumerate(models)])
 
 
 def _beginning(cycle: Cycle, capture: Motion, path: np.ndarray) -> np.ndarray:

@@ -52,7 +52,8 @@ def write_loop(
         if scales is not None:
             channels.append(("scale", scales[taken, joint]))
         for path, values in channels:
-            travels = path == "location" and joint == 0
+            away = np.abs(values[-1] - values[0]).max() > 1e-6 * rig.skeleton.size
+            travels = path == "location" and (joint == 0 or away)
             _add(place, bone, path, frames, values, travels=travels, smooth=key_step > 1)
     action.use_frame_range, action.use_cyclic, action.use_fake_user = True, True, True
     action.frame_start, action.frame_end = start, start + len(loop) - 1

@@ -291,3 +291,59 @@ def test_what_is_not_in_the_loop_is_told():
         control.keyframe_insert("location", frame=frame)
     extract()
     assert "control not in the loop" in bpy.context.scene.roundelay.notes
+
+
+def gliding():
+    """Return a pendulum whose root goes over the ground, while its body bobs above."""
+    armature = pendulum()
+    bpy.ops.object.mode_set(mode="EDIT")
+    bones = armature.data.edit_bones
+    bones.remove(bones["control"])
+    for side in "LR":
+        limb, hand = bones[f"limb.{side}"], bones.new(f"hand.{side}")
+        hand.head, hand.parent = limb.tail, limb
+        hand.tail = limb.tail + limb.tail - limb.head
+    bpy.ops.object.mode_set(mode="POSE")
+    root, body = (armature.pose.bones[name] for name in ("root", "body"))
+    for frame in FRAMES:
+        root.location = 0.0, 0.05 * frame, 0.0
+        body.location = 0.0, 0.2 * np.sin(2 * np.pi * (frame - 1) / PERIOD), 0.0
+        root.keyframe_insert("location", frame=frame)
+        body.keyframe_insert("location", frame=frame)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return armature
+
+
+@pytest.mark.parametrize("travel", ["TRAVEL", "SWAY"])
+def test_a_bone_for_root_motion_glides_and_the_body_bobs(travel):
+    armature = gliding()
+    before = in_world(armature, 41)
+    bpy.context.scene.roundelay.travel = travel
+    action = extract()
+    start, end = span(action)
+    glides = np.stack([curve_of(armature, "root", "location", axis) for axis in range(3)], axis=1)
+    bobs = curve_of(armature, "body", "location", 1)
+    way = 0.05 * (end - start) if travel == "TRAVEL" else 0.0
+    assert np.allclose(glides[-1] - glides[0], (0.0, way, 0.0), atol=0.01)
+    assert np.allclose(np.diff(glides, axis=0), np.diff(glides, axis=0)[0], atol=1e-4)
+    assert np.ptp(bobs) == pytest.approx(0.4, abs=0.01)
+    places = in_world(armature, end)[:, :3, 3]
+    assert places[0, 2] == pytest.approx(before[0, 2, 3], abs=1e-4)
+    assert np.allclose(places[0, :2], places[1, :2], atol=0.05)
+
+
+def test_without_path_neither_bone_moves():
+    armature = gliding()
+    bpy.context.scene.roundelay.travel = "NONE"
+    start, end = span(extract())
+    places = [in_world(armature, frame)[:2, :3, 3] for frame in range(start, end + 1, 5)]
+    assert np.ptp(places, axis=0).max() < 1e-4
+
+
+def test_blended_loops_keep_the_bone_for_root_motion():
+    armature, settings = gliding(), bpy.context.scene.roundelay
+    settings.blend_first = settings.blend_second = extract()
+    assert bpy.ops.roundelay.blend(weight=0.5) == {"FINISHED"}
+    assert np.ptp(curve_of(armature, "root", "location", 1)) == pytest.approx(2.0, abs=0.05)
+    assert np.ptp(curve_of(armature, "root", "location", 2)) < 1e-3
+    assert np.ptp(curve_of(armature, "body", "location", 1)) == pytest.approx(0.4, abs=0.01)

@@ -21,6 +21,7 @@ from roundelay.base.checks import chosen, expected
 from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.progress import Progress, report
 from roundelay.base.threads import one_thread
+from roundelay.cycles.captured import as_captured
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.models import cycle_models
 from roundelay.motion.motion import Motion
@@ -78,15 +79,16 @@ def find_cycles(
         If `progress` returned False.
     """
     options = chosen(Options, options)
-    motion = expected(Motion, motion).with_root_motion()
-    model = cycle_models[options.method]
+    capture = expected(Motion, motion)
+    motion, model = capture.with_root_motion(), cycle_models[options.method]
     search, found = find_evidence(motion, options, progress)
     cycles, refused = [], []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
         try:
             phase = _phase(search, evidence)
-            cycles.append(model.fit(motion, phase, evidence, options))
+            cycle = model.fit(motion, phase, evidence, options)
+            cycles.append(as_captured(cycle, capture, phase, evidence.runs))
         except TooShort as error:
             refused.append(NoPeriod(str(error), evidence))
     if not cycles:
@@ -114,9 +116,11 @@ def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = Non
         If an option is out of range.
     """
     options = chosen(Options, options)
-    motion = expected(Motion, motion).with_root_motion()
+    capture = expected(Motion, motion)
+    motion = capture.with_root_motion()
     phase = _phase(Search.of_take(motion, options), expected(Evidence, evidence))
-    return cycle_models[options.method].fit(motion, phase, evidence, options)
+    cycle = cycle_models[options.method].fit(motion, phase, evidence, options)
+    return as_captured(cycle, capture, phase, evidence.runs)
 
 
 @one_thread

@@ -41,7 +41,8 @@ def test_loop_writes_the_loop_its_record_and_a_picture(looped):
         "walk_loop.json",
         "walk_loop.png",
     ]
-    assert "period 1.10 s" in result.stdout
+    assert "\n  motion 1: good\n    period 1.10 s" in result.stdout
+    assert " sure; 1.19 m/s (1.19 units/s)\n" in result.stdout
     assert len(rl.read(folder / "walk_loop.bvh")) == 132
 
 
@@ -55,6 +56,10 @@ def test_the_record_holds_results_and_options(looped):
     assert cycle["parts"] == [[0, 343]]
     assert cycle["barcode"][0][1] > cycle["barcode"][0][0]
     assert set(cycle["quality"]) >= {"seam_rotation", "template_error", "loop_jerk"}
+    verdict = cycle["verdict"]
+    assert (verdict["word"], verdict["reasons"], verdict["travels"]) == ("good", [], True)
+    assert verdict["metres_a_unit"] == 1.0
+    assert verdict["speed"] == pytest.approx(0.75 * 1.75 / 1.1, rel=0.01)
 
 
 def clip_seconds(path: Path) -> float:

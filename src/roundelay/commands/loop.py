@@ -135,7 +135,8 @@ def _write(
     """Write loops, picture and record; return the record."""
     from roundelay.formats import write
     from roundelay.loops.quality import quality
-    from roundelay.output.records import capture_record, cycle_record, write_json
+    from roundelay.loops.verdict import verdict_of
+    from roundelay.output.records import capture_record, cycle_record, verdict_record, write_json
 
     base = f"{capture.stem}_loop"
     record = capture_record(motion, capture, options) | {"sampling": asdict(written), "cycles": []}
@@ -143,7 +144,9 @@ def _write(
         path = folder / f"{base}{number if number > 1 else ''}.{written.file_format}"
         sampled = cycle.sample(**written.sampling)
         write(sampled, path)
-        entry = cycle_record(cycle, quality(cycle, motion), [path])
+        figures = quality(cycle, motion)
+        verdict = verdict_of(cycle, motion, sampled, figures, in_place=written.in_place)
+        entry = {"verdict": verdict_record(verdict, cycle)} | cycle_record(cycle, figures, [path])
         playback = profile.record(cycle, written, mended)
         record["cycles"].append(entry | {"loop_frames": len(sampled), "playback": playback})
     if picture:
@@ -164,17 +167,19 @@ def _animate(record: dict[str, Any], cycles: list[Cycle], folder: Path) -> None:
 
 
 def _print_summary(record: dict[str, Any], folder: Path) -> None:
+    from roundelay.loops.verdict import Verdict
+
     print_capture(record["capture"])
     for number, cycle in enumerate(record["cycles"], 1):
         parts = ", ".join(f"{start}-{stop}" for start, stop in cycle["parts"])
-        figures = cycle["quality"]
+        verdict = cycle["verdict"]
+        told = Verdict(verdict["word"], tuple(verdict["reasons"]))
         typer.echo(
-            f"  motion {number}: period {cycle['period_seconds']:.2f} s "
-            f"({cycle['period_frames']:.1f} frames), {cycle['repetitions']:.2f} repetitions "
-            f"in frames {parts}; {_certainty(cycle)}\n"
-            f"    -> {folder / cycle['files'][0]}: {cycle['loop_frames']} frames; seam "
-            f"{figures['seam_rotation']:.1f} deg (largest step elsewhere "
-            f"{figures['step_rotation']:.1f}), template error {figures['template_error']:.2f} rad"
+            f"  motion {number}: {told}\n"
+            f"    period {cycle['period_seconds']:.2f} s ({cycle['period_frames']:.1f} frames), "
+            f"{cycle['repetitions']:.2f} repetitions in frames {parts}; "
+            f"{_certainty(cycle)}; {_told_speed(verdict)}\n"
+            f"    -> {folder / cycle['files'][0]}: {cycle['loop_frames']} frames"
         )
         print_limbs(cycle["playback"])
 
@@ -186,3 +191,11 @@ def _certainty(cycle: dict[str, Any]) -> str:
     sure = f"{cycle['confidence']:.0%} sure"
     doubtful = ", rather not" if cycle["confidence"] < 0.5 else ""
     return sure + doubtful + (f"; {' + '.join(cycle['limbs'])} alone" if cycle["limbs"] else "")
+
+
+def _told_speed(verdict: dict[str, Any]) -> str:
+    from roundelay.loops.units import Lengths
+
+    if not verdict["travels"]:
+        return "stays in place"
+    return Lengths(verdict["body_size"], verdict["metres_a_unit"]).told_speed(verdict["speed"])

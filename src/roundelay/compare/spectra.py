@@ -154,7 +154,8 @@ class Spectra:
 def _harmonics(cycle: Cycle) -> NDArray[np.complex128]:
     """Mean and harmonics (1 + H, J, 3) of the positions of all joints but the root."""
     count, kept = SPECTRA.phases, SPECTRA.harmonics + 1
-    points = point_cloud(cycle.at(np.arange(count) / count, frame_time=1.0))
+    shown = cycle.at(np.arange(count) / count, frame_time=1.0)
+    points = point_cloud(shown.with_root_motion())
     spectrum = np.fft.rfft(points, axis=0)[:kept] / count
     return cast("NDArray[np.complex128]", spectrum.reshape(kept, -1, 3))
 

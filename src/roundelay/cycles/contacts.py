@@ -27,7 +27,7 @@ def standing_feet(cycle: Cycle, count: int) -> tuple[tuple[Foot, ...], Mask]:
     """
     # The periods before and after decide about feet that stand across the seam.
     phases = np.arange(-count, 2 * count) / count
-    around = cycle.at(phases, frame_time=cycle.period / count)
+    around = cycle.at(phases, frame_time=cycle.period / count).with_root_motion()
     places, turns = forward_kinematics(
         around.skeleton, around.rotations, around.root_path, translations=around.translations
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.threads import one_thread
+from roundelay.cycles.above import Above
 from roundelay.cycles.edit.footlock import lock_feet
 from roundelay.cycles.thresholds import CYCLE
 from roundelay.geometry import rotations as rot
@@ -26,7 +27,9 @@ class Cycle:
     """Hold a periodic motion that can be evaluated at any phase.
 
     The root moves as it did in the capture, gait for gait: its path is the integral of a
-    periodic velocity in a frame that turns steadily ([C] 3.9 has a line instead).
+    periodic velocity in a frame that turns steadily ([C] 3.9 has a line instead). Where a joint
+    below the root carried the body, the curves hold its motion as the root's, as
+    `Motion.with_root_motion` does; `sample` and `at` give it back.
 
     Parameters
     ----------
@@ -55,6 +58,8 @@ class Cycle:
         A name for people.
     evidence : Evidence or None
         What the cycle was found by: the frames that show it, its barcode and coordinate.
+    above : Above or None
+        What the joints above the one that carried the body did; None where the root did.
     """
 
     skeleton: Skeleton
@@ -69,6 +74,7 @@ class Cycle:
     translations: HarmonicCurve | None = None
     name: str = ""
     evidence: Evidence | None = field(default=None, repr=False)
+    above: Above | None = None
 
     def __repr__(self) -> str:
         joints = self.skeleton.n_joints
@@ -78,6 +84,16 @@ class Cycle:
     def travel(self) -> Array:
         """Displacement (3,) of the root over one period, in the skeleton's length unit."""
         return self.root_path(np.array([0.0, 1.0]))[1] - self.root_path(np.zeros(1))[0]
+
+    @property
+    def speed(self) -> float:
+        """Mean speed along the ground, in the skeleton's length unit a second."""
+        return float(np.linalg.norm(np.delete(self.velocity.constant, self.up))) / self.period
+
+    @property
+    def travels(self) -> bool:
+        """Whether it goes anywhere, rather than stays where it is but for some drift."""
+        return bool(self.speed * self.period >= CYCLE.travels * self.skeleton.size)
 
     def rotations(self, phase: ArrayLike) -> Array:
         """Return local rotations (n, J, 4) at phases (n,), the root's without its turning."""
@@ -116,18 +132,38 @@ class Cycle:
         heading exp(i turning x), so that every term integrates by itself.
         """
         path = self.velocity.integral(x)
-        across, along = (self.up + 1) % 3, (self.up + 2) % 3
-        v, frequencies = self.velocity, 2 * np.pi * self.velocity.frequencies
-        cosine = v.cosine[:, across] + 1j * v.cosine[:, along]
-        sine = v.sine[:, across] + 1j * v.sine[:, along]
-        mean = v.constant[across] + 1j * v.constant[along]
-        c = np.concatenate([[mean], (cosine - 1j * sine) / 2, (cosine + 1j * sine) / 2])
-        rate = self.turning + np.concatenate([[0.0], frequencies, -frequencies])
-        # (exp(i r x) - 1) / (i r) = x exp(i r x / 2) sinc(r x / 2 pi), sound at r = 0 too.
-        half = 0.5 * x[:, None] * rate
-        plane = (x[:, None] * np.exp(1j * half) * np.sinc(half / np.pi)) @ c
-        path[:, across], path[:, along] = plane.real, plane.imag
+        amplitudes, rates = self._terms()
+        self._set_plane(path, _integrals(x, rates) @ amplitudes)
         return path
+
+    def steady_path(self, phase: ArrayLike) -> Array:
+        """Return the path (n, 3) at the mean velocity, amid the root's sway about it.
+
+        Its height is 0 unless the motion climbs. Seen in the heading, the root's path lies
+        about it by a periodic curve whose mean in the plane is 0.
+        """
+        x = np.asarray(phase, float)
+        amplitudes, rates = self._terms()
+        turns = 2 * np.pi * self.velocity.frequencies[:, None]
+        path = x[:, None] * self.velocity.constant + np.sum(self.velocity.sine / turns, axis=0)
+        # Of exp(i r x) - 1 the second term is no sway but where it begins.
+        middle = 1j * np.sum(amplitudes[1:] / rates[1:])
+        self._set_plane(path, _integrals(x, rates[:1]) @ amplitudes[:1] + middle)
+        return path
+
+    def _terms(self) -> tuple[NDArray[np.complex128], Array]:
+        """Return amplitudes and rates (radians a period) of the turned velocity, mean first."""
+        v, frequencies = self.velocity, 2 * np.pi * self.velocity.frequencies
+        cosine, sine, mean = map(self._as_complex, (v.cosine, v.sine, v.constant))
+        c = np.concatenate([[mean], (cosine - 1j * sine) / 2, (cosine + 1j * sine) / 2])
+        return c, self.turning + np.concatenate([[0.0], frequencies, -frequencies])
+
+    def _as_complex(self, vectors: Array) -> NDArray[np.complex128]:
+        across, along = (self.up + 1) % 3, (self.up + 2) % 3
+        return np.asarray(vectors[..., across] + 1j * vectors[..., along])
+
+    def _set_plane(self, path: Array, plane: NDArray[np.complex128]) -> None:
+        path[:, (self.up + 1) % 3], path[:, (self.up + 2) % 3] = plane.real, plane.imag
 
     @one_thread
     def sample(
@@ -175,36 +211,41 @@ class Cycle:
             raise ValueError(f"expected at least one period, found {periods}")
         count = max(1, round(self.period * rate))
         frames = np.arange(count * periods + int(repeat_first))
-        motion = self.at(start + frames / count, frame_time=1.0 / rate, in_place=in_place)
-        rotations, path = motion.rotations.copy(), motion.root_path
+        phase = start + frames / count
+        motion = self._body(phase, 1.0 / rate, in_place)
+        rotations = motion.rotations.copy()
         if foot_lock:
             # The periods before and after decide about feet that stand across the seam.
-            around = self.at(start + np.arange(-count, 2 * count) / count, frame_time=1.0 / rate)
+            around = self._body(start + np.arange(-count, 2 * count) / count, 1.0 / rate, False)
             legs, turns = lock_feet(around, count)
             rotations[:, legs] = turns[count : 2 * count][frames % count]
-        if heading is not None:
-            turn = rot.from_rotation_vector(self._turn_to(heading) * np.eye(3)[self.up])
-            rotations[:, 0], path = rot.multiply(turn, rotations[:, 0]), rot.rotate(turn, path)
-        return replace(motion, rotations=rotations, root_path=path)
+        motion = self._given_back(replace(motion, rotations=rotations), phase, in_place)
+        if heading is None:
+            return motion
+        rotations, turn = motion.rotations.copy(), self._about_up(self._turn_to(heading))
+        rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
+        return replace(motion, rotations=rotations, root_path=rot.rotate(turn, motion.root_path))
 
     def _turn_to(self, direction: float) -> float:
         """Return the angle from where phase 0 travels to a direction; 0 without travel."""
-        ahead, aside = (self.up + 1) % 3, (self.up + 2) % 3
-        speed = self.velocity.constant
-        if np.hypot(speed[ahead], speed[aside]) < CYCLE.travels * self.skeleton.size:
+        if not self.travels:
             return 0.0
-        return direction - float(np.arctan2(speed[aside], speed[ahead]))
+        return direction - float(np.angle(self._as_complex(self.velocity.constant)))
 
     @one_thread
     def at(self, phase: ArrayLike, *, frame_time: float, in_place: bool = False) -> Motion:
         """Return the poses at unwrapped phases (n,) as a motion; see `sample`."""
         x = np.asarray(phase, float)
+        return self._given_back(self._body(x, frame_time, in_place), x, in_place)
+
+    def _body(self, x: Array, frame_time: float, in_place: bool) -> Motion:
+        """Return the poses at phases with the body's motion in the root."""
         rotations = self.rotations(x)
         moved = None
         if self.translations is not None:
             moved = self.translations(x).reshape(len(x), self.skeleton.n_joints, 3)
         if not in_place:
-            turn = rot.from_rotation_vector(self.heading(x)[:, None] * np.eye(3)[self.up])
+            turn = self._about_up(self.heading(x))
             rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
         return Motion(
             skeleton=self.skeleton,
@@ -215,3 +256,22 @@ class Cycle:
             name=self.name,
             up=self.up,
         )
+
+    def _given_back(self, motion: Motion, x: Array, in_place: bool) -> Motion:
+        """Give the joints above the one that carried the body their own motion again."""
+        if self.above is None:
+            return motion
+        if in_place:
+            return self.above.given(motion, rot.identity(len(x)), np.zeros((len(x), 3)))
+        return self.above.given(motion, self._about_up(self.heading(x)), self.steady_path(x))
+
+    def _about_up(self, angle: ArrayLike) -> Array:
+        """Return the rotations (..., 4) by angles (...) about the up axis."""
+        return rot.from_rotation_vector(np.asarray(angle)[..., None] * np.eye(3)[self.up])
+
+
+def _integrals(x: Array, rates: Array) -> NDArray[np.complex128]:
+    """Return the integrals of exp(i r x) from 0, (n, m), sound at r = 0 too."""
+    # (exp(i r x) - 1) / (i r) = x exp(i r x / 2) sinc(r x / 2 pi).
+    half = 0.5 * x[:, None] * rates
+    return np.asarray(x[:, None] * np.exp(1j * half) * np.sinc(half / np.pi))

@@ -6,7 +6,16 @@ from dataclasses import dataclass
 
 from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
-__all__ = ["ALIGNMENT", "CENTROID", "CONTINUITY", "CYCLE", "FOOTLOCK", "REPAIR", "WEIGHTED"]
+__all__ = [
+    "ABOVE",
+    "ALIGNMENT",
+    "CENTROID",
+    "CONTINUITY",
+    "CYCLE",
+    "FOOTLOCK",
+    "REPAIR",
+    "WEIGHTED",
+]
 
 
 @dataclass(frozen=True)
@@ -55,6 +64,20 @@ class _Cycle(Thresholds):
 
 
 CYCLE = _Cycle()
+
+
+@dataclass(frozen=True)
+class _Above(Thresholds):
+    """Joints above the one that carries the body."""
+
+    share: float = constant(
+        0.5,
+        unit="share of the body's rise, tilt, way or turn",
+        origin="whoever does the larger part carries it",
+    )
+
+
+ABOVE = _Above()
 
 
 @dataclass(frozen=True)

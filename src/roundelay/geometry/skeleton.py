@@ -81,6 +81,15 @@ class Skeleton:
         return tuple(np.flatnonzero(np.equal(depth, d)) for d in range(max(depth) + 1))
 
     @cached_property
+    def trunk(self) -> tuple[int, ...]:
+        """Joints from the root to the first with several children; the root alone if none has."""
+        children = np.bincount(np.array(self.parents[1:], np.intp), minlength=self.n_joints)
+        chain = [0]
+        while children[chain[-1]] == 1:
+            chain.append(self.parents.index(chain[-1]))
+        return tuple(chain) if children[chain[-1]] else (0,)
+
+    @cached_property
     def bone_lengths(self) -> NDArray[np.float64]:
         """Length (J,) of the bones that hang on each joint (children and end sites), summed."""
         lengths = np.zeros(self.n_joints)

@@ -102,6 +102,7 @@ def limb_record(motion: Motion, mended: Sequence[Mended] = ()) -> dict[str, Any]
         ``mended``: pairs that were moved apart, with the ranges of frames in which they met more
         than in the capture and the largest angle in degrees by which a joint was turned.
     """
+    motion = motion.with_root_motion()
     met = collisions(motion.skeleton, motion.rotations, translations=motion.translations)
     return {
         "collisions": [

@@ -112,7 +112,7 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
     if cycle.evidence is None:
         raise ValueError("expected a cycle found in a capture, with its evidence")
     motion, runs = motion.with_root_motion(), cycle.evidence.runs
-    loop = cycle.sample()
+    loop = cycle.sample().with_root_motion()
     turned = np.degrees(rot.angle_between(loop.rotations, np.roll(loop.rotations, 1, axis=0)))
     # The root may travel on after the seam: joints are compared without it.
     steps = turned[:, 1:].max(axis=1) if turned.shape[1] > 1 else turned.max(axis=1)

@@ -194,11 +194,8 @@ class Motion:
         lie on the way to the first joint with several children then stand still, and every
         joint keeps its place in the world.
         """
-        children = np.bincount(np.array(self.skeleton.parents[1:], int), minlength=1)
-        chain = [0]
-        while chain[-1] < len(children) and children[chain[-1]] == 1:
-            chain.append(self.skeleton.parents.index(chain[-1]))
-        if len(chain) == 1 or chain[-1] >= len(children):
+        chain = list(self.skeleton.trunk)
+        if len(chain) == 1:
             return self
         places, turns = forward_kinematics(
             self.skeleton, self.rotations, self.root_path, translations=self.translations

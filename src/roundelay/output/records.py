@@ -16,12 +16,21 @@ from roundelay.base.files import written_beside
 from roundelay.base.version import __version__
 from roundelay.cycles.cycle import Cycle
 from roundelay.loops.quality import Quality
+from roundelay.loops.units import Lengths
+from roundelay.loops.verdict import Verdict
 from roundelay.motion.motion import Motion
 from roundelay.timeline.evidence import Evidence
 from roundelay.timeline.options import Options
 from roundelay.topology.rips import Barcode
 
-__all__ = ["capture_record", "cycle_record", "evidence_record", "refusal_record", "write_json"]
+__all__ = [
+    "capture_record",
+    "cycle_record",
+    "evidence_record",
+    "refusal_record",
+    "verdict_record",
+    "write_json",
+]
 
 # More bars than this are noise that nobody reads.
 _MOST_BARS = 100
@@ -54,6 +63,19 @@ def cycle_record(cycle: Cycle, figures: Quality, files: Sequence[Path] = ()) -> 
         "files": [path.name for path in files],
     }
     return record | ({} if cycle.evidence is None else evidence_record(cycle.evidence))
+
+
+def verdict_record(verdict: Verdict, cycle: Cycle) -> dict[str, Any]:
+    """Describe whether a loop can be used, and how fast it goes."""
+    lengths = Lengths.of(cycle.skeleton)
+    return {
+        "word": verdict.word,
+        "reasons": list(verdict.reasons),
+        "speed": cycle.speed,
+        "travels": cycle.travels,
+        "body_size": lengths.size,
+        "metres_a_unit": lengths.metres,
+    }
 
 
 def refusal_record(refusal: NoPeriod) -> dict[str, Any]:

@@ -106,6 +106,7 @@ def mirrored(cycle: Cycle) -> Cycle:
         velocity=mapped(cycle.velocity, lambda v: v * symmetry.reflection(sideways)),
         turning=-cycle.turning,
         translations=moved,
+        above=cycle.above and cycle.above.reflected(across, sideways),
     )
 
 
@@ -161,7 +162,8 @@ def align(
 def _in_phase(first: Cycle, second: Cycle, by: Criterion, swapped: bool) -> Alignment:
     count = ALIGNMENT.phases
     grid = np.arange(count) / count
-    squares = _apart(*(point_cloud(c.at(grid, frame_time=1.0)) for c in (first, second)))
+    shown = [c.at(grid, frame_time=1.0).with_root_motion() for c in (first, second)]
+    squares = _apart(*map(point_cloud, shown))
     allowed = _same_contacts(first, second) if by == "contacts" else np.ones(count, bool)
     best = int(np.argmin(np.where(allowed, squares, np.inf)))
     offset = (best + lowest_between(squares[[best - 1, best, (best + 1) % count]])) / count
@@ -207,4 +209,5 @@ def _turned(cycle: Cycle, angle: float) -> Cycle:
         pose=mapped(cycle.pose, poses),
         odd_pose=None if cycle.odd_pose is None else mapped(cycle.odd_pose, poses),
         velocity=mapped(cycle.velocity, lambda v: rot.rotate(turn, v)),
+        above=cycle.above and cycle.above.turned(turn),
     )

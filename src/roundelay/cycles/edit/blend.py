@@ -67,7 +67,8 @@ class CycleSpace:
     def cycle(self, weights: ArrayLike) -> Cycle:
         """Return the blend (k,) of the cycles as a cycle.
 
-        Rotations, travel, turning and bone lengths are averaged, the period geometrically.
+        Rotations, travel, turning and bone lengths are averaged, the period geometrically; the
+        joints above the one that carries the body are the first cycle's.
 
         Raises
         ------
@@ -166,8 +167,7 @@ def _resting(skeleton: Skeleton) -> HarmonicCurve:
 
 def _parameter(cycle: Cycle, by: str) -> float:
     if by == "speed":
-        flat = np.delete(cycle.velocity.constant, cycle.up)
-        return float(np.linalg.norm(flat)) / cycle.period
+        return cycle.speed
     if by == "turning":
         return cycle.turning / cycle.period
     if by == "period":
@@ -245,7 +245,7 @@ def transition(
 
     The weight eases from 0 to 1; period, turning and velocity are those of the blend at each
     moment, and the root's path is their integral, so that nothing jumps. The skeleton is the
-    first cycle's.
+    first cycle's, as is what the joints above the one that carries the body do.
 
     Parameters
     ----------
@@ -289,10 +289,12 @@ def transition(
     turn = _running(pace * (weights @ [one.turning, two.turning])) / rate
     axis = np.eye(3)[one.up]
     heading_turn = rot.from_rotation_vector(turn[:, None] * axis)
-    velocity = sum(
-        w[:, None] * c.velocity(phase) for w, c in zip(weights.T, space.cycles, strict=True)
-    )
-    path = _running(rot.rotate(heading_turn, pace[:, None] * velocity)) / rate
+
+    def walked(velocities: Sequence[Array]) -> Array:
+        velocity = np.einsum("fk,kfd->fd", weights, velocities)
+        return _running(rot.rotate(heading_turn, pace[:, None] * velocity)) / rate
+
+    path = walked([c.velocity(phase) for c in space.cycles])
     height = sum(w * c.height(phase)[:, 0] for w, c in zip(weights.T, space.cycles, strict=True))
     path[:, one.up] += height
     rotations = space.rotations(weights, phase)
@@ -300,7 +302,11 @@ def transition(
     curves = [curve(phase) for curve in space._translations]
     moved = np.einsum("fk,kfd->fd", weights, curves).reshape(len(phase), -1, 3) if curves else None
     name = f"{one.name} to {two.name}"
-    return Motion(one.skeleton, rotations, path, 1.0 / rate, moved, name=name, up=one.up)
+    motion = Motion(one.skeleton, rotations, path, 1.0 / rate, moved, name=name, up=one.up)
+    if one.above is None:
+        return motion
+    steady = walked([np.tile(c.velocity.constant, (len(phase), 1)) for c in space.cycles])
+    return one.above.given(motion, heading_turn, steady + one.steady_path([0.0]))
 
 
 def _running(rates: Array) -> Array:

@@ -81,7 +81,7 @@ def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple
     count = int(np.clip(round(REPAIR.rate * cycle.period), REPAIR.fewest, REPAIR.most))
     fps = count / cycle.period
     # The periods before and after decide about feet that stand across the seam.
-    around = cycle.sample(fps, start=-1.0, periods=3)
+    around = cycle.sample(fps, start=-1.0, periods=3).with_root_motion()
     before = _deepest([around[count : 2 * count]])
     if not before:
         return cycle, ()
@@ -94,7 +94,7 @@ def repaired(cycle: Cycle, sources: Sequence[Motion] = ()) -> tuple[Cycle, tuple
     # The feet are locked anew, which may undo it.
     allowed = {pair: depth + SEPARATION.clearance for pair, depth in before.items()}
     allowed |= dict.fromkeys(parted.met, 0.0)
-    after = _deepest([changed.sample(fps)])
+    after = _deepest([changed.sample(fps).with_root_motion()])
     if any(d > max(allowed.get(p, 0.0), limits.get(p, 0.0)) for p, d in after.items()):
         return cycle, ()
     return changed, tuple(
@@ -108,9 +108,10 @@ def repaired_motion(
     motion: Motion, sources: Sequence[Motion] = ()
 ) -> tuple[Motion, tuple[Mended, ...]]:
     """Part limbs of a motion, such as a transition, as `repaired` does those of a cycle."""
-    if not _deepest([motion]):
+    whole = motion.with_root_motion()
+    if not _deepest([whole]):
         return motion, ()
-    body = _body(motion, slice(None), closed=False)
+    body = _body(whole, slice(None), closed=False)
     parted = separate(body, _deepest(sources))
     if not parted.met:
         return motion, ()

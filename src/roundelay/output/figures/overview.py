@@ -111,7 +111,7 @@ def in_plane(cycle: Cycle, motion: Motion) -> tuple[Array, Array, NDArray[np.int
         frames = cycle.evidence.runs.frames
     centre = points[frames].mean(axis=0)
     axes = np.linalg.svd(points[frames] - centre, full_matrices=False)[2][:2].T
-    around = point_cloud(cycle.at(np.linspace(0, 1, 200), frame_time=0.01))
+    around = point_cloud(cycle.at(np.linspace(0, 1, 200), frame_time=0.01).with_root_motion())
     return (points - centre) @ axes, (around - centre) @ axes, frames
 
 

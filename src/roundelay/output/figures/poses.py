@@ -122,6 +122,7 @@ def _frame(axes: Axes, across: tuple[float, float], upwards: tuple[float, float]
 
 def _side_views(motion: Motion) -> Array:
     """Project joints and ends of limbs (F, P, 2): forwards and up, the root at 0."""
+    motion = motion.with_root_motion()
     points = Space.of(motion).points(motion)
     path = points[:, 0, [0, 2]]
     level = points[..., [0, 2]] - path[:, None]

@@ -59,7 +59,7 @@ def angles(
     stop = min(stop, start + periods * frames)
     shown = motion.with_root_motion()[start:stop]
     chosen = _liveliest(shown) if joints is None else motion.skeleton.indices(joints)
-    loop = cycle.sample(motion.fps, periods=periods + 1)
+    loop = cycle.sample(motion.fps, periods=periods + 1).with_root_motion()
     offset = _offset(shown, loop, frames)
     loop = loop[offset : offset + len(shown)]
     means, turning = _axes_of_turning(shown, chosen)

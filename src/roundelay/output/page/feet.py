@@ -34,6 +34,7 @@ def loop_feet(cycle: Cycle) -> list[dict[str, Any]]:
     # The middle one of three periods knows what comes before and after.
     count = max(8, round(cycle.period * cycle.fps))
     thrice = cycle.at(np.arange(3 * count) / count, frame_time=cycle.period / count)
+    thrice = thrice.with_root_motion()
     return [
         {
             "joint": foot["joint"],

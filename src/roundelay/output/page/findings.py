@@ -145,7 +145,7 @@ def _plane(
     record: dict[str, Any] = {"shares": shares.tolist()}
     record["capture"] = packer.add((points[::step] - centre) @ plane, common_step=True)
     if cycle is not None:
-        around = cycle.at(np.linspace(0.0, 1.0, 181), frame_time=0.01)
+        around = cycle.at(np.linspace(0.0, 1.0, 181), frame_time=0.01).with_root_motion()
         record["loop"] = packer.add((point_cloud(around) - centre) @ plane, common_step=True)
     return record
 

@@ -84,7 +84,10 @@ def test_a_library_takes_a_format_of_a_stranger(scratch):
 @pytest.mark.parametrize(
     ("command", "listed"),
     [
-        ("loop", "A BVH, AMC, GLB, GLTF or POSE file. bvh, amc, glb, gltf, pose. generic, markers."),
+        (
+            "loop",
+            "A BVH, AMC, GLB, GLTF or POSE file. bvh, amc, glb, gltf, pose. generic, markers.",
+        ),
         ("convert", "The BVH, AMC, GLB, GLTF or POSE file to write."),
         ("segment", "gaussian, pca, ppca, gmm, steady, ppca-paper, gmm-paper."),
     ],

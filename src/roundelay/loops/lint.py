@@ -157,8 +157,9 @@ def period_of(loop: Seen, wraps: bool) -> Period:
     these explain the way between.
     """
     frames = len(loop.joints)
-    steps, left, pace = _steps_across(loop.joints.reshape(frames, -1))
-    fastest = float(np.linalg.norm(np.diff(loop.joints, axis=0), axis=(1, 2)).max())
+    poses = loop.joints[:, loop.body :].reshape(frames, -1)
+    steps, left, pace = _steps_across(poses)
+    fastest = float(np.linalg.norm(np.diff(poses, axis=0), axis=1).max())
     known = left <= LINT.unlike * pace * max(1.0, abs(steps)) and pace > LINT.slow * fastest
     known |= left <= LINT.same * pace and pace > TINY
     measured = (0.0 if wraps else 1.0) - steps if known else 0.0
@@ -203,14 +204,15 @@ def _miscounted(period: Period, wraps: bool) -> Iterator[Fault]:
 
 def _pop(loop: Seen, period: Period, wraps: bool) -> Iterator[Fault]:
     """Compare second differences of the joints' places at the join with those elsewhere."""
-    poses = loop.joints[: period.count]
+    joints = loop.joints[:, loop.body :]
+    poses = joints[: period.count]
     filled = np.concatenate([poses, _between(poses, period.missing)])
     around = np.concatenate([filled[-1:], filled, filled[:1]])
     bends = np.linalg.norm(np.diff(around, n=2, axis=0), axis=-1).max(axis=1)
     inner = slice(1, period.count - 1)
     join = [bends[0], *bends[period.count - 1 :]]
     if wraps and not period.over:
-        last = loop.joints[-1]
+        last = joints[-1]
         join.append(np.linalg.norm(poses[-1] - 2 * last + poses[1], axis=-1).max())
     value = float(max(join) / max(bends[inner].max(), TINY))
     if value > LINT.pop:
@@ -232,10 +234,11 @@ def _between(poses: Array, missing: int) -> Array:
 
 
 def _slide(loop: Seen, steps: Steps) -> Iterator[Fault]:
-    if not steps.standing.any():
-        return
-    level = steps.speeds[steps.standing] * (1.0 - loop.motion.up_vector)
-    value = float(np.median(np.linalg.norm(level, axis=-1)))
+    """Take the way that each foot slides while it stands: to and fro is none."""
+    level = steps.speeds * (1.0 - loop.motion.up_vector)
+    pairs = zip(level.swapaxes(0, 1), steps.standing.T, strict=True)
+    ways = [np.median(speeds[stands], axis=0) for speeds, stands in pairs if stands.any()]
+    value = max((float(np.linalg.norm(way)) for way in ways), default=0.0)
     if value > LINT.slide:
         says = "feet slide over the ground while they stand"
         yield Fault("foot slide", value, LINT.slide, "body sizes a second", says)
@@ -243,7 +246,7 @@ def _slide(loop: Seen, steps: Steps) -> Iterator[Fault]:
 
 def _drift(loop: Seen, period: Period, steps: Steps) -> Iterator[Fault]:
     """Compare the body's climb with the ground's: on stairs and slopes standing feet stay level."""
-    climb = climb_of(loop, period.count, period.missing)
+    climb = climb_of(loop.height, period.count, period.missing)
     if steps.standing.any():
         seconds = period.count * loop.motion.frame_time
         sinking = float(np.median(steps.speeds[..., loop.motion.up][steps.standing])) * seconds
@@ -281,7 +284,7 @@ def _bob(loop: Seen, period: Period) -> Iterator[Fault]:
     if not _lies_on_the_ground(loop, period):
         return
     height = loop.root[: period.count]
-    level = height - climb_of(loop, period.count) * np.arange(len(height)) / len(height)
+    level = height - climb_of(loop.root, period.count) * np.arange(len(height)) / len(height)
     value = float(np.ptp(level))
     if value > LINT.bob:
         says = "the root bone on the ground goes up and down"

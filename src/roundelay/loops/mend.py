@@ -111,6 +111,6 @@ def _turn(first: Array, second: Array) -> Array:
 def _level(motion: Motion) -> Motion:
     """Take the climb of a period out of the root's path."""
     loop = seen(motion)
-    climb = climb_of(loop, len(motion)) * motion.skeleton.size
+    climb = climb_of(loop.height, len(motion)) * motion.skeleton.size
     share = np.arange(len(motion))[:, None] / len(motion)
     return replace(motion, root_path=motion.root_path - climb * share * motion.up_vector)

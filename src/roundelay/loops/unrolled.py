@@ -44,6 +44,8 @@ class Seen:
     motion : Motion
     joints : (F, J, 3) ndarray
         Joints relative to the body, in its heading.
+    body : int
+        Joint of the body; those before it lie between it and the root.
     root : (F,) ndarray
         Height of the root.
     height : (F,) ndarray
@@ -59,6 +61,7 @@ class Seen:
 
     motion: Motion
     joints: Array
+    body: int
     root: Array
     height: Array
     feet: Array
@@ -74,15 +77,16 @@ def seen(motion: Motion) -> Seen:
         skeleton, motion.rotations, motion.root_path, translations=motion.translations
     )
     legs = find_feet(skeleton, places, motion.up)
-    body, ahead = body_path(motion)
+    path, ahead = body_path(motion)
     back = rot.from_rotation_vector(-ahead[:, None] * up)
-    ground = body * (1.0 - up)
+    ground = path * (1.0 - up)
     points = foot_points(legs, places, turned) - ground[:, None]
     return Seen(
         motion,
-        rot.rotate(back[:, None], places - body[:, None]) / size,
+        rot.rotate(back[:, None], places - path[:, None]) / size,
+        _body(skeleton),
         motion.root_path[:, motion.up] / size,
-        body[:, motion.up] / size,
+        path[:, motion.up] / size,
         rot.rotate(back[:, None], points) / size,
         rot.rotate(back[:-1], np.diff(ground, axis=0)) / size,
         np.diff(ahead),
@@ -92,16 +96,20 @@ def seen(motion: Motion) -> Seen:
 
 def body_path(motion: Motion) -> tuple[Array, Array]:
     """Return the places (F, 3) of the body, and its heading (F,) in radians from the first on."""
-    parents = motion.skeleton.parents
-    body = 0
-    while parents[1:].count(body) == 1:
-        body = parents.index(body)
-    body = body if body in parents else 0  # a chain does not branch
+    body = _body(motion.skeleton)
     places, turned = forward_kinematics(
         motion.skeleton, motion.rotations, motion.root_path, translations=motion.translations
     )
     since = rot.multiply(turned[:, body], rot.conjugate(turned[:1, body]))
     return places[:, body], np.unwrap(heading(since, motion.up))
+
+
+def _body(skeleton: Skeleton) -> int:
+    """Return the joint where the skeleton branches first; the root where it does not."""
+    body = 0
+    while skeleton.parents[1:].count(body) == 1:
+        body = skeleton.parents.index(body)
+    return body if body in skeleton.parents else 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,9 +138,9 @@ class Steps:
     low: float
 
 
-def climb_of(loop: Seen, count: int, missing: int = 0) -> float:
-    """Return by how much the body climbs in a period of `count` frames and some missing ones."""
-    height = loop.height[:count]
+def climb_of(heights: Array, count: int, missing: int = 0) -> float:
+    """Return by how much heights rise in a period of `count` frames and some missing ones."""
+    height = heights[:count]
     speed = 0.5 * (height[-1] - height[-2] + height[1] - height[0])
     return float(height[-1] + (missing + 1) * speed - height[0])
 
@@ -146,7 +154,7 @@ def steps_of(loop: Seen, count: int) -> Steps:
     level = 1.0 - loop.motion.up_vector
     ways, turns = _closed(loop.ways, count), _closed(loop.turns, count)
     share = np.arange(count)[:, None, None] / count
-    feet = loop.feet[:count] - climb_of(loop, count) * share * loop.motion.up_vector
+    feet = loop.feet[:count] - climb_of(loop.height, count) * share * loop.motion.up_vector
     low = feet[:, :, up] < feet[:, :, up].min(axis=0) + LINT.low
     relative = fps * 0.5 * (np.roll(feet, -1, axis=0) - np.roll(feet, 1, axis=0)) * level
     below = np.median(relative[low], axis=0) if low.any() else np.zeros(3)

@@ -10,7 +10,8 @@ or none), in the number of cycles or segments, in the period (by more than 1 %),
 (by more than 1 %; a cut by more than .25 s). Half of the captures are drawn evenly from the walks
 and runs of [C], half from those in FOLDER/truth; constants of segmentation are tried on the
 captures with labels, those of comparing cycles on the cycles of all captures, as a library, those
-of bodies and loops on the loops of every second capture.
+of bodies and loops on the loops of every second capture, those of faults on all loops, clean and
+with the faults of `benchmarks.check` at their least.
 `--only` takes names and beginnings of names, `--keep` puts each result, as soon as it is there,
 into benchmarks/results/sensitivity.json.
 """
@@ -35,6 +36,7 @@ import numpy as np
 
 import roundelay as rl
 from benchmarks._harness import RESULTS, parser, report
+from benchmarks.check import FAULTS, METRES, Loop, in_form
 from benchmarks.raunio import TABLES, find_capture
 from benchmarks.segmentation_data import FULL, labelled
 from roundelay.base.thresholds import Constant, Value, constants, overridden
@@ -44,6 +46,7 @@ from roundelay.cycles.edit.separate import repaired, source_parts
 from roundelay.geometry.kinematics import vertical_axis
 from roundelay.library.groups import grouped
 from roundelay.library.store import Shelf
+from roundelay.loops.lint import left_phase, lint
 from roundelay.loops.profiles import foot_contacts
 from roundelay.loops.units import Lengths
 from roundelay.loops.verdict import verdict_of
@@ -230,6 +233,8 @@ def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
         "segmentation.ppca": _ppca,
         "segmentation.gmm": _gmm,
         "geometry.upright": _upright,
+        "loops.lint": _linted,
+        "loops.gait": _linted,
         "cycles.footlock": _loops,
         "cycles.repair": _loops,
         "cycles.centroid": _centroids,
@@ -320,6 +325,38 @@ def _looped(motion: rl.Motion) -> Outcome:
         *sorted(one.angle for one in turns),
     )
     return Outcome(len(cycles), first.period, figures)
+
+
+def _linted() -> Iterator[Outcome]:
+    for loop in _faulty():
+        found = [len(lint(motion, loop.wraps, loop.phase)) for motion in loop.motions]
+        yield Outcome(1 + sum(found), 0.0, tuple(map(float, found)))
+
+
+@dataclass(frozen=True)
+class _Faulty:
+    """A loop as it is and with each fault at its least, and how they are judged."""
+
+    wraps: bool
+    phase: float | None
+    motions: list[rl.Motion]
+
+
+@cache
+def _faulty() -> list[_Faulty]:
+    """Every second loop is judged as a glTF; gaits are their own set."""
+    made = []
+    for number, cycle in enumerate(_cycles()):
+        motion = cycle.sample()
+        if len(motion) < 12:
+            continue
+        phase, wraps = left_phase(motion, wraps=False), bool(number % 2)
+        motion = motion.scaled(METRES / motion.skeleton.size)
+        loop = Loop("", "", "", phase is not None, wraps, motion, phase=phase)
+        faulty = (put(loop, strengths[0]) for put, strengths in FAULTS.values())
+        motions = [in_form(loop), *(one for one in faulty if one is not None)]
+        made.append(_Faulty(wraps, phase, motions))
+    return made
 
 
 def _upright() -> Iterator[Outcome]:

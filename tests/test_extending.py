@@ -84,7 +84,10 @@ def test_a_library_takes_a_format_of_a_stranger(scratch):
 @pytest.mark.parametrize(
     ("command", "listed"),
     [
-        ("loop", "A BVH, AMC or POSE file. bvh, amc, glb, gltf, fbx, pose. generic, markers."),
+        (
+            "loop",
+            "A BVH, AMC, GLB, GLTF or POSE file. bvh, amc, glb, gltf, fbx, pose. generic, markers.",
+        ),
         ("convert", "The BVH, AMC, GLB, GLTF, FBX or POSE file to write."),
         ("segment", "gaussian, pca, ppca, gmm, steady, ppca-paper, gmm-paper."),
     ],

@@ -9,6 +9,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from roundelay.commands.blend import blend, transition
+from roundelay.commands.check import check
 from roundelay.commands.common import BAD_INPUT, INTERRUPTED, one_line_errors
 from roundelay.commands.convert import convert
 from roundelay.commands.excitations import excitations
@@ -78,6 +79,7 @@ for command in (
     transition,
     library,
     search,
+    check,
     convert,
 ):
     app.command(cls=_Command)(command)

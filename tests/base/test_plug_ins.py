@@ -82,7 +82,7 @@ def test_a_broken_plug_in_costs_a_warning_that_names_it(tmp_path, text, fault):
     install(tmp_path, files, {"roundelay.readers": points})
     code = "from roundelay.formats import readers; print(readers.names(), readers.names())"
     shown = python(tmp_path, "-c", code)
-    assert shown.stdout == "('bvh', 'amc', 'sound') ('bvh', 'amc', 'sound')\n"
+    assert shown.stdout == "('bvh', 'amc', 'gltf', 'sound') ('bvh', 'amc', 'gltf', 'sound')\n"
     assert shown.stderr.count("RoundelayWarning") == 1
     assert "a plug-in cannot be used: reader 'broken' of broken:Reader: " in shown.stderr
     assert fault in shown.stderr
@@ -97,7 +97,7 @@ def test_a_broken_plug_in_costs_the_command_line_one_line(tmp_path):
         "roundelay: note: a plug-in cannot be used: reader 'broken' of broken:Reader: "
         "division by zero"
     )
-    assert refusal.endswith("expected a file of type .bvh, .amc, found 'walk.xyz'")
+    assert refusal.endswith("expected a file of type .bvh, .amc, .glb, .gltf, found 'walk.xyz'")
 
 
 def test_entry_points_are_looked_up_only_for_what_is_not_ours(tmp_path):

@@ -136,8 +136,3 @@ def test_bones_that_change_length_move(tmp_path):
     assert [c["target"]["node"] for c in channels if c["target"]["path"] == "translation"] == [0, 3]
     found = places(document, data, 8)[: made.skeleton.n_joints, :3, 3]
     assert np.allclose(found, motion.positions()[8], atol=1e-5)
-
-
-def test_gltf_is_not_read(tmp_path):
-    with pytest.raises(rl.FormatError, match=r"expected a file of type \.bvh, \.amc"):
-        rl.read(tmp_path / "a.glb")

@@ -63,7 +63,8 @@ def test_what_cannot_make_a_library(shared, tmp_path):
     empty.mkdir()
     result = run("library", empty, "-o", tmp_path / "library")
     assert result.exit_code == 2
-    assert result.stderr == f"roundelay: {empty}: expected BVH or AMC files, found none\n"
+    told = "expected BVH, AMC, GLB or GLTF files, found none"
+    assert result.stderr == f"roundelay: {empty}: {told}\n"
     still = run("library", shared / "still.bvh", "-o", tmp_path / "still", "--jobs", 1)
     assert still.exit_code == 3
     broken = run("library", shared / "broken.bvh", "-o", tmp_path / "broken", "--jobs", 1)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BAD_INPUT",
+    "FAULTY",
     "INTERRUPTED",
     "NO_PERIOD",
     "Capture",
@@ -36,7 +37,7 @@ __all__ = [
     "read_capture",
 ]
 
-BAD_INPUT, NO_PERIOD, INTERRUPTED = 2, 3, 130
+FAULTY, BAD_INPUT, NO_PERIOD, INTERRUPTED = 1, 2, 3, 130
 
 Capture = Annotated[
     Path, typer.Argument(metavar="CAPTURE", help="A {readers} file.", show_default=False)

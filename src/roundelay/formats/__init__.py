@@ -53,7 +53,7 @@ def read(
     Parameters
     ----------
     path : path-like
-        A ``.bvh`` or ``.amc`` file, or one of a format that a plug-in reads.
+        A ``.bvh``, ``.amc``, ``.glb`` or ``.gltf`` file, or one of a format that a plug-in reads.
     skeleton : path-like or Skeleton, optional
         For an AMC, its ASF or a skeleton read from one; looked for beside it by default.
 
@@ -92,8 +92,8 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
     """Write a motion to a file, in the format its suffix names.
 
     A motion read from the same format is written with that file's channels. An AMC gets its
-    ASF beside it, of the same name; ``.glb``, ``.gltf`` and ``.fbx`` are for engines and animators,
-    and not read. The file appears whole or not at all.
+    ASF beside it, of the same name; in ``.glb`` and ``.gltf`` the vertical axis becomes Y, and
+    ``.fbx`` is not read. The file appears whole or not at all.
 
     Raises
     ------

@@ -19,6 +19,7 @@ from roundelay.formats.bvh import BvhReader
 from roundelay.formats.bvh_writer import BvhWriter
 from roundelay.formats.fbx_writer import FbxWriter
 from roundelay.formats.gltf import GltfWriter
+from roundelay.formats.gltf_reader import GltfReader
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
@@ -127,6 +128,7 @@ class Writer(Suffixed, Protocol):
 readers: Registry[Reader] = Registry("reader", "roundelay.readers", Reader)
 readers.add(BvhReader())
 readers.add(AmcReader())
+readers.add(GltfReader())
 
 writers: Registry[Writer] = Registry("writer", "roundelay.writers", Writer)
 writers.add(BvhWriter())
@@ -143,7 +145,7 @@ def suffixes_of(registry: Iterable[Suffixed]) -> tuple[str, ...]:
 
 
 def in_words(registry: Iterable[Suffixed]) -> str:
-    """Name the formats that readers or writers know by their suffixes, as in "BVH or AMC"."""
+    """Name the formats that readers or writers know by their suffixes, as in "BVH, AMC or GLB"."""
     *others, last = (suffix[1:].upper() for suffix in suffixes_of(registry))
     return f"{', '.join(others)} or {last}" if others else last
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
-__all__ = ["FIT", "QUALITY", "UNITS", "VERDICT"]
+__all__ = ["FIT", "GAIT", "LINT", "QUALITY", "UNITS", "VERDICT"]
 
 
 @dataclass(frozen=True)
@@ -100,3 +100,123 @@ class _Verdict(Thresholds):
 
 
 VERDICT = _Verdict()
+
+
+@dataclass(frozen=True)
+class _Lint(Thresholds):
+    """When a loop has a fault."""
+
+    shortest: int = constant(
+        8, unit="frames", origin="a period of fewer is none; as the search; " + BY_EYE
+    )
+    miscount: float = constant(
+        0.65,
+        unit="frames",
+        origin="clean loops are .34 off in 98 of 100, a frame is 1: benchmark check",
+    )
+    most: int = constant(8, unit="steps across the join", origin="looked for; " + BY_EYE)
+    parts: int = constant(100, unit="parts of a step", origin="tried; fine enough")
+    unlike: float = constant(
+        1.0,
+        unit="steps left over for a step across the join",
+        origin="a miscount leaves less, a jump of the pose more; " + BY_EYE,
+    )
+    slow: float = constant(
+        0.05,
+        unit="share of the fastest step",
+        origin="where hardly anything moves, frames are not counted; " + BY_EYE,
+    )
+    same: float = constant(
+        0.05, unit="steps", origin="a pose that comes again comes exactly; " + BY_EYE
+    )
+    pop: float = constant(
+        2.2,
+        unit="times the largest second difference elsewhere",
+        origin="loops closed by hand reach 2.0, faults of 3 are found: benchmark check",
+    )
+    low: float = constant(
+        0.025, unit="body sizes above a foot's lowest", origin="as geometry.contacts.begins_below"
+    )
+    in_place: float = constant(
+        0.1,
+        unit="share of the speed of standing feet",
+        origin="a body slower than this stays in place; " + BY_EYE,
+    )
+    slide: float = constant(
+        0.1,
+        unit="body sizes a second",
+        origin="98 of 100 clean loops stay below .05, faults of .15 are found: benchmark check",
+    )
+    climb: float = constant(
+        0.03,
+        unit="body sizes a period",
+        origin="loops closed by hand reach .029, faults of .04 are found: benchmark check",
+    )
+    level: float = constant(
+        0.25,
+        unit="share of the climb",
+        origin="on stairs standing feet rise less, as toes roll; benchmark check",
+    )
+    below: float = constant(
+        0.9,
+        unit="cosine of the angle to the vertical",
+        origin="of the way from a root bone on the ground up to the body; " + BY_EYE,
+    )
+    ground: float = constant(
+        0.1, unit="body sizes", origin="a root nearer to the lowest joint lies there; " + BY_EYE
+    )
+    bob: float = constant(0.005, unit="body sizes", origin="a centimetre for a person; " + BY_EYE)
+    smallest: float = constant(
+        0.3, unit="metres, or lengths of the file", origin="a cat, nose to tail; " + BY_EYE
+    )
+    tallest: float = constant(
+        4.0, unit="metres", origin="a horse, nose to tail; people are 2; " + BY_EYE
+    )
+    longest: float = constant(
+        3000.0,
+        unit="lengths of the file",
+        origin="of a person in millimetres, in formats without a unit; " + BY_EYE,
+    )
+    phase: float = constant(
+        0.13,
+        unit="turns of a stride",
+        origin="in gaits that begin with a contact the foot is so far ahead: benchmark check",
+    )
+    set_least: int = constant(3, unit="gaits", origin="fewer have no phase in common; " + BY_EYE)
+
+
+LINT = _Lint()
+
+
+@dataclass(frozen=True)
+class _Gait(Thresholds):
+    """Which loops are gaits, and how long a stride may last."""
+
+    share: float = constant(
+        0.6, unit="share of power", origin="of one wave in how far the feet part; " + BY_EYE
+    )
+    reach: float = constant(
+        0.1, unit="body sizes", origin="feet that part less do not walk; " + BY_EYE
+    )
+    shortest: float = constant(
+        0.3, unit="seconds a stride", origin="a dog's run takes .37: benchmark check"
+    )
+    longest_walk: float = constant(
+        2.4, unit="seconds a stride", origin="the slowest walk takes 2.3: benchmark check"
+    )
+    longest_run: float = constant(
+        1.4, unit="seconds a stride", origin="runs and long steps take 1.3: benchmark check"
+    )
+    airborne: float = constant(
+        0.56,
+        unit="share of frames in which a foot is low",
+        origin="lower for runs, whatever the frame rate: benchmark check",
+    )
+    far: float = constant(
+        0.85,
+        unit="body sizes a stride",
+        origin="who steps so far is no slow walker: benchmark check",
+    )
+
+
+GAIT = _Gait()

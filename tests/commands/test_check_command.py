@@ -1,0 +1,107 @@
+"""``roundelay check`` on files and folders."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+import roundelay as rl
+from roundelay import synth
+from roundelay.cli import app
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Four loops of a set, of which one is out of phase, and two that end wrongly."""
+    cycle = rl.find_cycles(synth.gait("walk").motion)[0]
+    for name, start in (("a", 0.0), ("b", 0.01), ("c", 0.99), ("late", 0.4)):
+        rl.write(cycle.sample(30, start=start), tmp_path / f"{name}.bvh")
+    rl.write(cycle.sample(30, repeat_first=True), tmp_path / "good.glb")
+    rl.write(cycle.sample(30, repeat_first=True), tmp_path / "doubled.bvh")
+    (tmp_path / "deep").mkdir()
+    rl.write(cycle.sample(30), tmp_path / "deep" / "short.glb")
+    return tmp_path
+
+
+def check(*words):
+    return CliRunner().invoke(app, ["check", *map(str, words)])
+
+
+def test_a_clean_loop_ends_with_0(folder):
+    for name in ("a.bvh", "late.bvh", "good.glb"):
+        shown = check(folder / name)
+        assert (shown.exit_code, shown.stdout.count("\n")) == (0, 1)
+        assert shown.stdout.endswith("frames at 30 fps, clean\n")
+
+
+def test_faults_of_a_folder(folder):
+    shown = check(folder, "--json")
+    assert shown.exit_code == 1
+    loops = json.loads(shown.stdout)["loops"]
+    found = {one["file"]: [fault["name"] for fault in one["faults"]] for one in loops}
+    assert found == {
+        str(folder / "a.bvh"): [],
+        str(folder / "b.bvh"): [],
+        str(folder / "c.bvh"): [],
+        str(folder / "deep" / "short.glb"): ["frame missing"],
+        str(folder / "doubled.bvh"): ["frame too many"],
+        str(folder / "good.glb"): [],
+        str(folder / "late.bvh"): ["phase"],
+    }
+    assert [one["mended"] for one in loops] == [None] * 7
+
+
+def test_a_fault_is_said_with_its_limit(folder):
+    shown = check(folder / "doubled.bvh")
+    assert shown.exit_code == 1
+    assert "34 frames at 30 fps, 1 fault\n" in shown.stdout
+    assert "  frame too many: the last frame repeats the first" in shown.stdout
+    assert "(1 frames, limit 0.65)" in shown.stdout
+
+
+def test_what_is_mended_lies_beside(folder):
+    before = (folder / "doubled.bvh").read_bytes()
+    shown = check(folder, "--mend")
+    assert shown.exit_code == 1
+    assert shown.stdout.count("    -> ") == 2
+    made = sorted(path.name for path in folder.rglob("*_mended.*"))
+    assert made == ["doubled_mended.bvh", "short_mended.glb"]
+    assert (folder / "doubled.bvh").read_bytes() == before
+    assert check(folder / "doubled_mended.bvh").exit_code == 0
+    assert check(folder / "deep" / "short_mended.glb").exit_code == 0
+    # What was mended is no loop of its own in the next round.
+    assert check(folder, "--mend").stdout == shown.stdout
+
+
+def test_files_are_overwritten_if_asked(folder):
+    assert check(folder / "doubled.bvh", "--mend", "--overwrite").exit_code == 1
+    assert check(folder / "doubled.bvh").exit_code == 0
+    assert not list(folder.rglob("*_mended.*"))
+
+
+def test_a_short_file_is_named(folder):
+    rl.write(rl.read(folder / "a.bvh")[:5], folder / "tiny.bvh")
+    shown = check(folder)
+    assert shown.exit_code == 2
+    assert shown.stderr == (
+        f"roundelay: {folder / 'tiny.bvh'}: a loop needs at least 8 frames, found 5\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["none.bvh"], "No such file"),
+        (["README.md"], "expected a folder, BVH, AMC, GLB or GLTF, found 'README.md'"),
+        (["{folder}/empty"], "expected BVH, AMC, GLB or GLTF files, found none"),
+        (["{folder}", "--overwrite"], "expected --overwrite with --mend, found it alone"),
+    ],
+)
+def test_bad_input_costs_one_line(folder, words, message):
+    (folder / "empty").mkdir()
+    shown = check(*(word.format(folder=folder) for word in words))
+    assert shown.exit_code == 2
+    assert message in shown.stderr
+    assert shown.stderr.count("\n") == 1

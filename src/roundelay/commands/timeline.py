@@ -70,6 +70,8 @@ def _print_table(told: Timeline, capture: Path, uncertain: bool) -> None:
     typer.echo("  kind     period  times   sure  limbs; frames")
     for each in shown:
         typer.echo(_row(each))
+        if each.phrase is not None:
+            typer.echo(_row(each.phrase).replace("cyclic", "phrase"))
 
 
 def _row(each: Behaviour) -> str:

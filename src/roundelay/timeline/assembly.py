@@ -11,6 +11,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,6 +29,7 @@ from roundelay.timeline.chance import excess
 from roundelay.timeline.closing import closing_length
 from roundelay.timeline.limbs import Body, body_of
 from roundelay.timeline.merging import merged
+from roundelay.timeline.nesting import phrase_of
 from roundelay.timeline.options import Options
 from roundelay.timeline.prediction import Predicted, predict_all
 from roundelay.timeline.proposals import proposed
@@ -50,9 +53,8 @@ def timeline_of(
     """Tell what repeats in a take; see `roundelay.understand`."""
     options = chosen(Options, options)
     body, pieces = candidates_of(take, options, progress)
-    found = sorted(
-        (_cyclic(body, piece) for piece in pieces), key=lambda each: each.certainty, reverse=True
-    )
+    found = [replace(_cyclic(body, piece), phrase=_phrase(body, piece)) for piece in pieces]
+    found.sort(key=lambda each: each.certainty, reverse=True)
     closing = _closing(take, body, options)
     likely = [each for each in found if _likely(each, closing, take.fps)]
     uncertain = [each for each in found if each not in likely]
@@ -98,7 +100,8 @@ def candidates_of(
     report(progress, 7 / 8, "choosing the best account")
     going = [without_pauses(one) for one in account(body, predicted)]
     sound = [one for one in going if excess(body, one) > CHANCE.least]
-    return body, merged(body, [piece for one in sound for piece in steady_pieces(body, one)])
+    pieces = [piece for one in sound for piece in steady_pieces(body, one)]
+    return body, merged(body, pieces)
 
 
 def _span(take: Motion | Poses, options: Options) -> Span:
@@ -132,6 +135,15 @@ def _cyclic(body: Body, one: Predicted) -> Behaviour:
         paused=_paused(body, one, spans),
         passages=first + one.times * body.step,
     )
+
+
+def _phrase(body: Body, piece: Predicted) -> Behaviour | None:
+    """Return the phrase that a behaviour is a beat of, if it is rather one."""
+    longer = phrase_of(body, piece)
+    if longer is None:
+        return None
+    phrase = _cyclic(body, longer)
+    return phrase if (phrase.probability or 0.0) >= JUDGEMENT.likely else None
 
 
 def _spans(body: Body, one: Predicted) -> Spans:

@@ -70,6 +70,8 @@ class Behaviour:
         Times in seconds of the take, and how long the repetition that passes then lasts.
     tests : tuple of Test
         What the probability rests on.
+    phrase : Behaviour or None
+        What it is a beat of: the same limbs, with a longer period that predicts them better.
     paused : Spans
         Frames between those of `spans` in which it pauses.
     passages : (R, n) ndarray
@@ -87,6 +89,7 @@ class Behaviour:
     probability: float | None
     tempo: Array = field(repr=False)
     tests: tuple[Test, ...] = field(repr=False)
+    phrase: Behaviour | None = field(default=None, repr=False)
     paused: Spans = field(default_factory=lambda: Spans([]))
     passages: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
 
@@ -209,6 +212,7 @@ def _plain(one: Behaviour) -> dict[str, Any]:
         "probability": one.probability,
         "tempo": np.round(one.tempo, 4).tolist(),
         "tests": _tests(one.tests),
+        "phrase": None if one.phrase is None else _plain(one.phrase),
     }
 
 

@@ -40,12 +40,13 @@ def figures_of(one: Predicted, tests: tuple[Test, ...]) -> dict[str, float]:
     """
     *agreements, chance = tests
     spread, warp = _unsteadiness(one.times)
-    passed_by = {
-        test.name: float(np.clip(test.value - test.limit, JUDGEMENT.fails, JUDGEMENT.passes))
-        for test in agreements
-    }
-    return passed_by | {
-        "worst": min(passed_by.values()),
+    over = {test.name: test.value - test.limit for test in agreements}
+    worst = min(over.values()) / JUDGEMENT.width
+    return {
+        name: float(np.clip(value, JUDGEMENT.fails, JUDGEMENT.passes))
+        for name, value in over.items()
+    } | {
+        "all_pass": float(1.0 / (1.0 + np.exp(-np.clip(worst, -JUDGEMENT.far, JUDGEMENT.far)))),
         chance.name: min(chance.value, CHANCE.most),
         "limbs": float(np.log(one.claimed.sum())),
         "share": float(np.log(max(one.share, JUDGEMENT.share))),

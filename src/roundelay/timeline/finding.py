@@ -74,7 +74,7 @@ def _shown(told: Timeline, options: Options) -> list[Behaviour]:
     by_hand = options.topology.class_index is not None
     if options.uncertain or (by_hand and not shown):
         shown += told.uncertain
-    return shown
+    return [each.phrase or each for each in shown] if options.phrase else shown
 
 
 def _measured(search: Search, behaviour: Behaviour, *, by_hand: bool) -> Evidence:

@@ -122,6 +122,8 @@ class Options(Checked):
     motion : int, optional
         Only this motion, 1 being the first of those that `inspect` lists. A class or a scale of
         `topology` is that of this motion, or of the first.
+    phrase : bool
+        Where periods nest, take the long one: a phrase made of beats.
     uncertain : bool
         Also what rather does not repeat, with a probability below one half.
     most : int, optional
@@ -169,6 +171,7 @@ class Options(Checked):
     motion: int | None = option(
         None, "Only this motion, 1 being the first; --class and --scale are of it.", least=1
     )
+    phrase: bool = option(False, "Where periods nest, take the long one.")
     uncertain: bool = option(False, "Also what rather does not repeat.")
     most: int | None = option(
         None, "At most so many periodic motions, the surest first.", least=1, label="Max Loops"

@@ -18,6 +18,7 @@ __all__ = [
     "JUDGEMENT",
     "LIMBS",
     "MERGING",
+    "NESTING",
     "PREDICTABILITY",
     "PREDICTION",
     "SEARCH",
@@ -351,10 +352,9 @@ class _Chance(Thresholds):
         0.005, unit="share", origin="of the difference of unlike poses that counts as none; noise"
     )
     least: float = constant(
-        1.0,
+        0.0,
         unit="nats",
-        origin="beyond the tries: at 0 three times as much random motion repeats, at 2 a tenth of "
-        "the stretches of walks is lost",
+        origin="beyond the tries; at 1 a twentieth of the stretches of walks is lost",
     )
     most: float = constant(
         4.0, unit="nats", origin="beyond which the probability gains no more; " + BY_EYE
@@ -459,6 +459,19 @@ MERGING = _Merging()
 
 
 @dataclass(frozen=True)
+class _Nesting(Thresholds):
+    """Longer periods of what repeats already."""
+
+    left: float = constant(
+        0.5, unit="share of what is unexplained", origin="that a phrase may leave; " + BY_EYE
+    )
+    fewest: float = constant(2.0, unit="repetitions", origin="of a phrase, at least; " + BY_EYE)
+
+
+NESTING = _Nesting()
+
+
+@dataclass(frozen=True)
 class _Judgement(Thresholds):
     """Named tests of a candidate."""
 
@@ -482,6 +495,10 @@ class _Judgement(Thresholds):
         unit="correlation",
         origin="above the limit, beyond which a test says no more; " + _SKETCH,
     )
+    width: float = constant(
+        0.02, unit="correlation", origin="by which two ways to measure it differ; " + BY_EYE
+    )
+    far: float = constant(10.0, unit="widths", origin="beyond which all or nothing passes")
     apart: float = constant(
         0.5,
         unit="periods",

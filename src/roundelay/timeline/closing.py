@@ -34,17 +34,24 @@ def closing_length(points: Array, *, chosen: bool = False) -> int | None:
     worst, length = min(
         (_seam(points[:length]), -length) for length in range(fewest, len(points) + 1)
     )
-    gap = CLOSING.chosen if chosen else CLOSING.gap
-    if (worst > CLOSING.seam and not chosen) or not _ends_meet(points[:-length], gap):
+    if not _ends_meet(points[:-length], chosen=chosen) or (worst > CLOSING.seam and not chosen):
         return None
     return -length
 
 
-def _ends_meet(clip: Array, gap: float) -> bool:
-    """Tell whether the way from the last pose to the first is no longer than so many steps."""
+def _ends_meet(clip: Array, *, chosen: bool) -> bool:
+    """Tell whether the way from the last pose to the first is no longer than so many steps.
+
+    Where the ends move slower than the rest, it must be short against the movement, too.
+    """
     steps = np.linalg.norm(np.diff(clip, axis=0), axis=1)
-    step = max(float(np.median(steps)), 0.5 * float(steps[0] + steps[-1]))
-    return bool(np.linalg.norm(clip[-1] - clip[0]) <= gap * step)
+    own = 0.5 * float(steps[0] + steps[-1])
+    way = float(np.linalg.norm(clip[-1] - clip[0]))
+    moved = float(np.sqrt(np.sum(np.var(clip, axis=0))))
+    step = max(float(np.median(steps)), own)
+    if chosen:
+        return way <= CLOSING.chosen * step
+    return way <= CLOSING.gap * step and way - CLOSING.gap * own <= CLOSING.apart * moved
 
 
 def _seam(clip: Array) -> float:

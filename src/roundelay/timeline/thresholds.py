@@ -560,7 +560,12 @@ class _Closing(Thresholds):
         origin="of the changes of velocity; " + _SKETCH,
     )
     gap: float = constant(
-        1.75, unit="steps", origin="between the ends; a period of 16.5 frames cut to 16"
+        2.2, unit="steps", origin="between the ends; the worst of 20 loops closed by hand has 1.9"
+    )
+    apart: float = constant(
+        0.05,
+        unit="deviations of the poses",
+        origin="between the ends, beyond so many of their own steps; bows reach .07",
     )
     chosen: float = constant(
         4.0, unit="steps", origin="the same, of frames chosen by hand; " + BY_EYE
@@ -570,7 +575,9 @@ class _Closing(Thresholds):
         unit="samples a pass",
         origin="at which velocities are compared; " + _SKETCH,
     )
-    least: float = constant(0.012, unit="body sizes", origin="least amplitude; as for what repeats")
+    least: float = constant(
+        0.008, unit="body sizes", origin="least amplitude; an idle closed by hand has .0105"
+    )
     fewest: int = constant(8, unit="frames", origin=BY_EYE)
 
 

@@ -34,7 +34,7 @@ from roundelay.timeline.options import Options
 from roundelay.timeline.prediction import Predicted, predict_all
 from roundelay.timeline.proposals import proposed
 from roundelay.timeline.search import points_of_take
-from roundelay.timeline.tempo import local_periods, steady_pieces, without_pauses
+from roundelay.timeline.tempo import local_periods, refined, steady_pieces, without_pauses
 from roundelay.timeline.thresholds import (
     ACCOUNT,
     CHANCE,
@@ -99,9 +99,16 @@ def candidates_of(
     predicted = predict_all(body, found)
     report(progress, 7 / 8, "choosing the best account")
     going = [without_pauses(one) for one in account(body, predicted)]
-    sound = [one for one in going if excess(body, one) > CHANCE.least]
-    pieces = [piece for one in sound for piece in steady_pieces(body, one)]
+    pieces = [piece for one in going for piece in _sound_pieces(body, one)]
     return body, merged(body, pieces)
+
+
+def _sound_pieces(body: Body, one: Predicted) -> list[Predicted]:
+    """Return the steady pieces of what is no chance, as a whole or by themselves."""
+    whole = excess(body, refined(body, one)) > CHANCE.least
+    return [
+        piece for piece in steady_pieces(body, one) if whole or excess(body, piece) > CHANCE.least
+    ]
 
 
 def _span(take: Motion | Poses, options: Options) -> Span:

@@ -28,14 +28,16 @@ def excess(body: Body, one: Predicted) -> float:
     ----------
     body : Body
     one : Predicted
-        With at least one limb claimed.
+        With at least one limb claimed, and its period refined.
     """
     own = body.signals[:, body.columns(tuple(np.flatnonzero(one.claimed).tolist()))]
     numbers = one.again * _dimension(own) / (np.pi * one.slowness)
     # Of R repetitions that are unlike, each differs from the mean of the others by R / (R - 1).
     showings = max(2.0, one.repetitions)
     unlike = (1.0 - one.explained) * (showings - 1.0) / showings
-    share = float(np.clip(unlike, CHANCE.exact, 1.0))
+    # An alignment is free to warp time, a lag is not: what chance finds, it finds by warping.
+    warped, plain = (max(each, CHANCE.exact) for each in (unlike, 1.0 - one.agrees))
+    share = min(1.0, float(warped ** (1.0 - CHANCE.plain) * plain**CHANCE.plain))
     elsewhere = max(0.0, len(own) - sum(stop - start for start, stop in one.runs))
     places = 1.0 + elsewhere / (np.pi * _correlation_time(own))
     information = 0.5 * (share - 1.0 - np.log(share))

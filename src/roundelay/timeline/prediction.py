@@ -63,6 +63,8 @@ class Predicted:
         The limbs that move and repeat, and that nothing else explains here.
     pauses : tuple of (float, float)
         Samples at which the phase rests.
+    agrees : float
+        Correlation of poses a period apart, where the period was refined by it.
     """
 
     candidate: Candidate
@@ -81,6 +83,7 @@ class Predicted:
     limb_each: Array = field(repr=False)
     claimed: NDArray[np.bool_] = field(repr=False)
     pauses: tuple[tuple[float, float], ...] = ()
+    agrees: float = 0.0
 
     @property
     def nats(self) -> float:

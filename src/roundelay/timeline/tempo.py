@@ -139,7 +139,7 @@ def refined(body: Body, one: Predicted) -> Predicted:
     """
     signal = body.seen[:, body.joints(one.claimed)].reshape(len(body), -1).astype(float)
     lag, agrees = best_lag(signal, one.runs, one.period)
-    return replace(one, period=lag) if agrees > 0.0 else one
+    return replace(one, period=lag, agrees=agrees) if agrees > 0.0 else one
 
 
 def _pieces(values: Array) -> list[tuple[int, int]]:

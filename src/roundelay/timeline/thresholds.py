@@ -351,10 +351,16 @@ class _Chance(Thresholds):
     exact: float = constant(
         0.005, unit="share", origin="of the difference of unlike poses that counts as none; noise"
     )
+    plain: float = constant(
+        0.3,
+        unit="share",
+        origin="of poses a period apart beside aligned ones; .5 loses varying tempo",
+    )
     least: float = constant(
-        0.0,
+        -0.25,
         unit="nats",
-        origin="beyond the tries; at 1 a twentieth of the stretches of walks is lost",
+        origin="beyond the tries; at .5 a twentieth of the stretches of LAFAN1 is lost, at -1 "
+        "twice as much random motion repeats",
     )
     most: float = constant(
         4.0, unit="nats", origin="beyond which the probability gains no more; " + BY_EYE

@@ -100,15 +100,7 @@ class _Gestures(Thresholds):
     whole: float = constant(0.75, unit="turns", origin=BY_EYE)
     margin: float = constant(0.1, unit="share of a turn's time", origin=BY_EYE)
     gap: float = constant(0.25, unit="share of a turn's time", origin=BY_EYE)
-    new: float = constant(
-        0.5,
-        unit="share of frames",
-        origin="a class with fewer of its own is no other gesture; " + BY_EYE,
-    )
-    rate: float = constant(60.0, unit="frames a second", origin="as for short takes")
-    often: int = constant(
-        3, unit="occurrences", origin="fewest that are reported without being asked for; " + BY_EYE
-    )
+    often: int = constant(3, unit="occurrences", origin="of a gesture, at least; " + BY_EYE)
 
 
 GESTURES = _Gestures()

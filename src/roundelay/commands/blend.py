@@ -42,25 +42,22 @@ def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: Loop
     """
     with one_line_errors():
         from roundelay.cycles.edit.blend import blend as blend_cycles
-        from roundelay.cycles.edit.separate import repaired
-        from roundelay.formats import write, writer_of
-        from roundelay.loops.profiles import limb_record
+        from roundelay.formats import writer_of
+        from roundelay.loops.recipe import rendered
 
         writer_of(file)  # refuses a suffix that none knows, before the work
         written = replace(written, file_format=file.suffix[1:].lower())
         shares = _shares(mixing, len(captures))
         cycles, sources = _best_cycles(captures, mixing.mirror)
         mixed = blend_cycles(cycles, shares, by=mixing.by, mirror=mixing.mirror)
-        mixed, mended = repaired(mixed, sources) if written.repair else (mixed, ())
-        loop = mixed.sample(**written.sampling)
+        loop = rendered(mixed, sources, written)
         output_directory(file.parent)
-        write(loop, file)
-        typer.echo(f"{file}: {len(loop)} frames, period {mixed.period:.2f} s")
-        parted = mixed.sample(written.fps, foot_lock=written.foot_lock)
-        print_limbs(limb_record(parted, mended))
+        loop.write(file)
+        typer.echo(f"{file}: {len(loop.motion)} frames, period {mixed.period:.2f} s")
+        print_limbs(loop.playback)
 
 
-@takes(joining=TransitionOptions, written=only(LoopOptions, "fps", "repair"))
+@takes(joining=TransitionOptions, written=only(LoopOptions, "fps", "mirror", "resize", "repair"))
 def transition(
     first: First,
     second: Second,
@@ -72,17 +69,17 @@ def transition(
     """Go from the best cycle of one capture to that of another, the phase running on."""
     with one_line_errors():
         from roundelay.cycles.edit.blend import transition as make_transition
-        from roundelay.cycles.edit.separate import repaired_motion
         from roundelay.formats import write
         from roundelay.loops.profiles import limb_record
+        from roundelay.loops.recipe import rendered_motion
 
         (start, end), sources = _best_cycles([first, second], joining.mirror)
         motion = make_transition(start, end, **asdict(joining), fps=written.fps)
-        motion, mended = repaired_motion(motion, sources) if written.repair else (motion, ())
+        motion, parted = rendered_motion(motion, sources, written)
         output_directory(file.parent)
         write(motion, file)
         typer.echo(f"{file}: {len(motion)} frames at {motion.fps:.4g} fps")
-        print_limbs(limb_record(motion, mended))
+        print_limbs(limb_record(motion, parted))
 
 
 def _best_cycles(paths: Sequence[Path], mirror: bool) -> tuple[list[Cycle], list[Motion]]:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import typer
 
-from roundelay.base.options import Checked, option
 from roundelay.commands.common import (
     Capture,
     Skeleton,
@@ -26,22 +24,7 @@ Target = Annotated[
 ]
 
 
-@dataclass(frozen=True)
-class ConvertOptions(Checked):
-    """Choices of a conversion.
-
-    Parameters
-    ----------
-    resize : float
-        Factor of every length.
-    """
-
-    title: ClassVar[str] = "What is changed"
-
-    resize: float = option(1.0, "Multiply every length by this.", above=0)
-
-
-@takes(search=only(Options, "frames"), written=only(LoopOptions, "fps"), change=ConvertOptions)
+@takes(search=only(Options, "frames"), written=only(LoopOptions, "fps", "mirror", "resize"))
 def convert(
     capture: Capture,
     target: Target,
@@ -49,21 +32,20 @@ def convert(
     *,
     search: Options,
     written: LoopOptions,
-    change: ConvertOptions,
 ) -> None:
-    """Convert a capture to another format, resampled, cropped or scaled.
+    """Convert a capture to another format, resampled, cropped, mirrored or resized.
 
     An AMC gets its ASF beside it, of the same name.
     """
     with one_line_errors(capture):
         from roundelay.formats import write
+        from roundelay.loops.recipe import placed
 
         motion = read_capture(capture, skeleton)
         wanted = search.span(len(motion))
         if wanted is not None:
             motion = motion[slice(*wanted)]
-        if change.resize != 1.0:
-            motion = motion.scaled(change.resize)
+        motion = placed(motion, written)
         if written.fps is not None:
             motion = motion.resample(written.fps)
         output_directory(target.parent)

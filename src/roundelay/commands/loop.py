@@ -30,9 +30,7 @@ from roundelay.timeline.options import Options
 if TYPE_CHECKING:
     from roundelay.base.errors import NoPeriod
     from roundelay.base.progress import Progress
-    from roundelay.cycles.cycle import Cycle
-    from roundelay.cycles.edit.separate import Mended
-    from roundelay.loops.profiles import Profile
+    from roundelay.loops.recipe import Loop
     from roundelay.motion.motion import Motion
 
 PerBehaviour = Annotated[
@@ -63,45 +61,42 @@ def loop(
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found.
     """
     from roundelay.base.errors import NoPeriod
-    from roundelay.loops.profiles import profiles
 
     with one_line_errors(capture):
-        profile = profiles[written.profile]
         with progress_bar(quiet=json) as progress:
             motion = read_capture(capture, skeleton)
             folder = output_directory(output)
             try:
-                cycles = _cycles(motion, search, per_behaviour, progress)
+                loops = _loops(motion, search, written, per_behaviour, progress)
             except NoPeriod as refusal:
                 _refuse(motion, capture, folder, search, refusal, json)
-        loops = [_repaired(motion, one) if written.repair else (one, ()) for one in cycles]
-        record = _write(motion, capture, folder, search, loops, written, profile, picture)
+        record = _write(motion, capture, folder, search, loops, written, picture)
         if gif:
-            _animate(record, [cycle for cycle, _ in loops], folder)
+            _animate(record, loops, folder)
         if json:
             print_json(record)
         else:
             _print_summary(record, folder)
 
 
-def _cycles(
-    motion: Motion, options: Options, per_behaviour: bool, progress: Progress | None
-) -> list[Cycle]:
-    """Find the cycles of the whole capture, or of each of its segments."""
-    from roundelay.pipeline import cycles_in_segments, find_cycles
+def _loops(
+    motion: Motion,
+    search: Options,
+    written: LoopOptions,
+    per_behaviour: bool,
+    progress: Progress | None,
+) -> list[Loop]:
+    """Make the loops of the whole capture, or of each of its segments."""
+    from roundelay.loops.recipe import made_loop
+    from roundelay.pipeline import cycles_in_segments, make_loops
     from roundelay.segmentation import segment
 
     if not per_behaviour:
-        return find_cycles(motion, options, progress=progress)
-    if options.frames is not None:
+        return make_loops(motion, search, written, progress)
+    if search.frames is not None:
         raise ValueError("expected --frames or --per-behaviour, found both")
-    return cycles_in_segments(segment(motion), motion, options, progress=progress)
-
-
-def _repaired(motion: Motion, cycle: Cycle) -> tuple[Cycle, tuple[Mended, ...]]:
-    from roundelay.cycles.edit.separate import repaired, source_parts
-
-    return repaired(cycle, source_parts(cycle, motion))
+    cycles = cycles_in_segments(segment(motion), motion, search, progress=progress)
+    return [made_loop(cycle, motion, written) for cycle in cycles]
 
 
 def _refuse(
@@ -127,43 +122,33 @@ def _write(
     capture: Path,
     folder: Path,
     options: Options,
-    loops: list[tuple[Cycle, tuple[Mended, ...]]],
+    loops: list[Loop],
     written: LoopOptions,
-    profile: Profile,
     picture: bool,
 ) -> dict[str, Any]:
     """Write loops, picture and record; return the record."""
-    from roundelay.formats import write
-    from roundelay.loops.quality import quality
-    from roundelay.loops.verdict import verdict_of
-    from roundelay.output.records import capture_record, cycle_record, verdict_record, write_json
+    from roundelay.output.records import capture_record, loop_record, write_json
 
     base = f"{capture.stem}_loop"
     record = capture_record(motion, capture, options) | {"sampling": asdict(written), "cycles": []}
-    for number, (cycle, mended) in enumerate(loops, 1):
-        path = folder / f"{base}{number if number > 1 else ''}.{written.file_format}"
-        sampled = cycle.sample(**written.sampling)
-        write(sampled, path)
-        figures = quality(cycle, motion)
-        verdict = verdict_of(cycle, motion, sampled, figures, in_place=written.in_place)
-        entry = {"verdict": verdict_record(verdict, cycle)} | cycle_record(cycle, figures, [path])
-        playback = profile.record(cycle, written, mended)
-        record["cycles"].append(entry | {"loop_frames": len(sampled), "playback": playback})
+    for number, one in enumerate(loops, 1):
+        name = f"{base}{number if number > 1 else ''}.{written.file_format}"
+        record["cycles"].append(loop_record(one, one.write(folder / name)))
     if picture:
         from roundelay.output.figures import overview, save
 
-        save(overview(motion, [cycle for cycle, _ in loops]), folder / f"{base}.png")
+        save(overview(motion, [one.cycle for one in loops]), folder / f"{base}.png")
     write_json(record, folder / f"{base}.json")
     return record
 
 
-def _animate(record: dict[str, Any], cycles: list[Cycle], folder: Path) -> None:
+def _animate(record: dict[str, Any], loops: list[Loop], folder: Path) -> None:
     """Write each loop as a GIF beside its file."""
     from roundelay.output.figures import animation
 
-    for entry, cycle in zip(record["cycles"], cycles, strict=True):
+    for entry, one in zip(record["cycles"], loops, strict=True):
         path = folder / entry["files"][0]
-        animation(cycle.sample(), path.with_suffix(".gif"))
+        animation(one.cycle.sample(), path.with_suffix(".gif"))
 
 
 def _print_summary(record: dict[str, Any], folder: Path) -> None:

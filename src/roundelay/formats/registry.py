@@ -30,6 +30,7 @@ __all__ = [
     "Writer",
     "checked_format",
     "files_of",
+    "files_written",
     "in_words",
     "reader_of",
     "readers",
@@ -215,6 +216,12 @@ def wraps_at_last_key(name: str) -> bool:
         If no writer knows it.
     """
     return getattr(_known(Path(f"loop.{name}"), writers), "wraps_at_last_key", False)
+
+
+def files_written(path: Path) -> tuple[Path, ...]:
+    """List the files that writing one left: itself, and that of its skeleton if it has one."""
+    skeleton = path.with_suffix(".asf")
+    return (path, skeleton) if path.suffix.lower() == ".amc" else (path,)
 
 
 def files_of(path: Path) -> list[Path]:

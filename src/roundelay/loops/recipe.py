@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -9,11 +10,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from roundelay.base.checks import chosen, expected
+from roundelay.base.errors import RoundelayWarning
 from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import mapped, mirrored
 from roundelay.cycles.edit.separate import Mended, repaired, repaired_motion, source_parts
 from roundelay.formats import checked_format, files_written, write
+from roundelay.loops.lint import odd_rate
 from roundelay.loops.options import LoopOptions
 from roundelay.loops.profiles import profiles
 from roundelay.loops.quality import Quality, quality
@@ -131,7 +134,20 @@ def made_loop(cycle: Cycle, capture: Motion, render: LoopOptions | None = None) 
     capture = placed(capture, render)
     figures = quality(found.cycle, capture)
     verdict = verdict_of(found.cycle, capture, found.motion, figures, in_place=render.in_place)
+    _tell_odd_rate(found)
     return Loop(**vars(found), quality=figures, verdict=verdict)
+
+
+def _tell_odd_rate(found: Rendered) -> None:
+    """Warn of a gait too slow or too fast for a person: the capture's frame rate may be wrong."""
+    fault = odd_rate(found.motion, found.render.first_repeated)
+    if fault is not None:
+        warnings.warn(
+            f"{found.cycle.name}: {fault.says} ({fault.value:.2f} s); if the capture's frame rate "
+            "is wrong, give it by --capture-fps (in Python by fps of read)",
+            RoundelayWarning,
+            stacklevel=3,
+        )
 
 
 @one_thread

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from roundelay.base.files import name_of
 from roundelay.commands.common import (
     Capture,
+    Output,
     Skeleton,
     one_line_errors,
-    output_directory,
+    place_of,
     progress_bar,
     read_capture,
 )
 from roundelay.commands.options import only, takes
+from roundelay.formats.options import ReadOptions
 from roundelay.loops.options import LoopOptions
 from roundelay.timeline.options import Options
 
@@ -24,22 +26,19 @@ if TYPE_CHECKING:
     from roundelay.motion.motion import Motion
     from roundelay.segmentation import Segmentation
 
-Page = Annotated[
-    Path | None,
-    typer.Option("-o", "--file", help="File to write; NAME.html by default.", show_default=False),
-]
 Open = Annotated[bool, typer.Option("--open", help="Show it in the browser.")]
 
 
-@takes(search=Options, written=only(LoopOptions, "fps", "foot_lock", "repair"))
+@takes(search=Options, written=only(LoopOptions, "fps", "foot_lock", "repair"), reading=ReadOptions)
 def view(
     capture: Capture,
-    output: Page = None,
+    output: Output = ".",
     skeleton: Skeleton = None,
     open_page: Open = False,
     *,
     search: Options,
     written: LoopOptions,
+    reading: ReadOptions,
 ) -> None:
     """Write one HTML page: the capture moving, its periodic parts, the evidence, the loops.
 
@@ -51,11 +50,12 @@ def view(
     from roundelay.base.files import written_beside
 
     with one_line_errors(capture):
+        name = name_of(capture)
+        place = place_of(output, name, (".html",))
         with progress_bar(quiet=False) as progress:
-            motion = read_capture(capture, skeleton)
+            motion = read_capture(capture, skeleton, reading)
             text, note = _page(motion, search, written, progress)
-        path = Path(f"{capture.stem}.html") if output is None else output
-        output_directory(path.parent)
+        path = place.file or place.folder / f"{name}.html"
         with written_beside(path) as part:
             part.write_text(text, encoding="utf-8")
         typer.echo(f"{path}: {note}; {len(text) / 1e3:.0f} kB")

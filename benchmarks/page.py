@@ -78,7 +78,7 @@ def _read(path: Path) -> rl.Motion:
 
 def _built(motion: rl.Motion) -> str:
     try:
-        return build_page(motion, rl.find_cycles(motion))
+        return build_page(motion, rl.make_loops(motion))
     except rl.NoPeriod as refusal:
         return build_page(motion, refusal=refusal)
 

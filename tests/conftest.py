@@ -31,6 +31,12 @@ def jump_cycles(jumps: rl.Motion) -> list[rl.Cycle]:
 
 
 @pytest.fixture(scope="session")
+def jump_loops(jumps: rl.Motion) -> list[rl.Loop]:
+    """Their loops, as ``roundelay loop`` writes them."""
+    return rl.make_loops(jumps)
+
+
+@pytest.fixture(scope="session")
 def boxing() -> rl.Motion:
     """Free sparring and a fall; its file holds one line too many."""
     with warnings.catch_warnings():

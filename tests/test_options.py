@@ -180,7 +180,7 @@ def test_frames_may_end_with_the_take():
 
 
 def test_a_name_has_one_meaning():
-    """The file or folder to write is -o everywhere; what kind it is, the long name tells."""
+    """A file or a folder to write is -o everywhere."""
     meanings = defaultdict(set)
     for command in COMMANDS.values():
         for found in command.params:
@@ -188,8 +188,8 @@ def test_a_name_has_one_meaning():
                 if name.startswith("-"):
                     meanings[name].add(found.help)
     several = {name: told for name, told in meanings.items() if len(told) > 1}
-    # The file of a page is none of a motion.
-    assert set(several) <= {"--file"}
+    # What a library is made into is no file.
+    assert set(several) <= {"--output"}
     declared = defaultdict(set)
     for _, one in ON_COMMANDS:
         declared[one.flag].add(id(one.known))

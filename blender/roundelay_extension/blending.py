@@ -8,10 +8,11 @@ from typing import Any
 import bpy
 
 from roundelay import Cycle, Motion, RoundelayError, SkeletonMismatch, blend
+from roundelay.loops.recipe import rendered
 
 from .capture import armatures_of
 from .compat import Armature, Context, State
-from .loops import cycle_of_loop, loop_of, parted
+from .loops import cycle_of_loop, loop_of, moved_apart, render_of
 from .reading import read
 from .rig import Rig, rig_of
 from .writing import SOURCE, show, write_loop
@@ -60,10 +61,11 @@ def _blended(context: Context, armature: Armature, weight: float) -> bpy.types.A
         (rig, first, capture), (_, second, other) = [_read(scene, armature, a) for a in loops]
     finally:
         show(armature, before)
-    cycle, settings.notes = blend([first, second], [1.0 - weight, weight]), ""
-    if settings.repair:
-        cycle, settings.notes = parted(cycle, [m.with_root_motion() for m in (capture, other)])
-    loop = loop_of(cycle, capture, settings, scene.render.fps / scene.render.fps_base)
+    fps = scene.render.fps / scene.render.fps_base
+    mixed, sources = blend([first, second], [1.0 - weight, weight]), (capture, other)
+    made = rendered(mixed, [m.with_root_motion() for m in sources], render_of(settings, fps))
+    settings.notes = moved_apart(made.parted)
+    loop = loop_of(made.cycle, capture, settings, fps)
     name = f"Blend {loops[0].name} {loops[1].name}"
     action = write_loop(rig, loop, name, start=int(loops[0].frame_start))
     action[SOURCE] = loops[0]

@@ -11,17 +11,16 @@ from typing import Any
 import bpy
 
 from roundelay import (
-    Cycle,
+    Loop,
+    LoopOptions,
     Motion,
     NoPeriod,
     Options,
-    Quality,
     RoundelayError,
     find_cycles,
     segment,
 )
-from roundelay.cycles.edit.separate import source_parts
-from roundelay.loops.quality import quality
+from roundelay.loops.recipe import made_loop
 from roundelay.pipeline import cycles_in_segments
 from roundelay.timeline.inspection import Inspection, inspect
 
@@ -30,7 +29,7 @@ from .bones import left_out
 from .capture import Capture, armatures_of, has_armature, read_capture
 from .compat import Armature, Context
 from .jobs import LongOperator, Progress, Steps, threaded
-from .loops import cycles_by_hand, loop_of, options_of, parted
+from .loops import cycles_by_hand, loop_of, moved_apart, options_of, render_of
 from .writing import PLACE, SOURCE, add_strip, show, write_loop
 
 # How many ranges of frames are listed.
@@ -75,27 +74,28 @@ def _extract(context: Context, armature: Armature, settings: Any, whose: str) ->
         names = [bone.name for bone in capture.rig.bones]
         settings.notes += "".join(f"{whose}{line}\n" for line in left_out(armature, names))
     options = options_of(settings)
-    render = context.scene.render
-    fps = render.fps / render.fps_base
+    scene = context.scene.render
+    fps = scene.fps / scene.fps_base
     try:
-        search = partial(_search, capture, options, settings.per_behaviour, settings.repair)
+        render = render_of(settings, fps)
+        search = partial(_search, capture, options, settings.per_behaviour, render)
         found = yield from threaded(search)
     except NoPeriod as refusal:
         raise NoPeriod(capture.in_scene(str(refusal))) from refusal
-    for number, (cycle, figures, note) in enumerate(found, 1):
-        settings.notes += note
-        loop = loop_of(cycle, capture.motion, settings, fps)
+    for number, made in enumerate(found, 1):
+        settings.notes += moved_apart(made.parted)
+        loop = loop_of(made.cycle, capture.motion, settings, fps)
         action = _write(capture, loop, number, settings)
-        _report(settings, capture, action, cycle, figures)
+        _report(settings, capture, action, made)
         if settings.use_plots:
             folder = bpy.path.abspath(settings.plot_folder)
-            plots.write(capture.motion, cycle, loop, folder, action.name)
+            plots.write(capture.motion, made.cycle, loop, folder, action.name)
 
 
 def _search(
-    capture: Capture, options: Options, per_behaviour: bool, repair: bool, progress: Progress
-) -> list[tuple[Cycle, Quality, str]]:
-    """Find cycles, their figures and a note on each; touches no Blender data."""
+    capture: Capture, options: Options, per_behaviour: bool, render: LoopOptions, progress: Progress
+) -> list[Loop]:
+    """Find cycles and make their loops; touches no Blender data."""
     motion = capture.motion
     if capture.chosen:
         cycles = cycles_by_hand(motion, options, capture.chosen)
@@ -104,10 +104,7 @@ def _search(
     else:
         cycles = find_cycles(motion, options, progress=progress)
     progress(1.0, "measuring loops")
-    made = [(cycle, "") for cycle in cycles]
-    if repair:
-        made = [parted(cycle, source_parts(cycle, motion)) for cycle in cycles]
-    return [(cycle, quality(cycle, motion), note) for cycle, note in made]
+    return [made_loop(cycle, motion, render) for cycle in cycles]
 
 
 def _write(capture: Capture, loop: Motion, number: int, settings: Any) -> bpy.types.Action:
@@ -126,10 +123,9 @@ def _write(capture: Capture, loop: Motion, number: int, settings: Any) -> bpy.ty
     return action
 
 
-def _report(
-    settings: Any, capture: Capture, action: bpy.types.Action, cycle: Any, figures: Quality
-) -> None:
-    item = settings.loops.add()
+def _report(settings: Any, capture: Capture, action: bpy.types.Action, made: Loop) -> None:
+    item, cycle, figures = settings.loops.add(), made.cycle, made.quality
+    item.verdict = str(made.verdict)
     item.action, item.period, item.turning = action, cycle.period, degrees(cycle.turning)
     item.frames = capture.in_scene(f"Frames {_listed(cycle.evidence.runs)}")
     item.repetitions, item.confidence = figures.repetitions, cycle.evidence.confidence or 0.0

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from roundelay import Cycle, Motion, NoPeriod, Options, TopologyOptions
+from roundelay import Cycle, LoopOptions, Motion, NoPeriod, Options, TopologyOptions
 from roundelay.cycles.captured import as_captured
-from roundelay.cycles.edit.separate import repaired
+from roundelay.cycles.edit.separate import Mended
 from roundelay.cycles.models.regression import fit_cycle
 from roundelay.geometry import rotations as rot
 from roundelay.phase.harmonic import HarmonicCurve
@@ -62,14 +62,24 @@ def _chosen_cycle(motion: Motion, found: Any, options: Options, number: int, ind
     return make_cycle(motion, classes[index].evidence, options)
 
 
-def parted(cycle: Cycle, sources: Sequence[Motion]) -> tuple[Cycle, str]:
-    """Move limbs apart that meet more than in what a cycle is made from, and say which."""
-    cycle, mended = repaired(cycle, sources)
+def render_of(settings: Any, fps: float) -> LoopOptions:
+    """Return how the library shall make loops; what the armature needs besides, `loop_of` does."""
+    return LoopOptions(
+        fps=fps,
+        in_place=settings.travel != "TRAVEL",
+        repeat_first=True,
+        foot_lock=settings.foot_lock,
+        repair=settings.repair,
+    )
+
+
+def moved_apart(parted: Sequence[Mended]) -> str:
+    """Say which limbs were moved apart, a line a pair."""
     lines = [
         f"{' and '.join(one.bones)} moved apart by up to {np.degrees(one.angle):.0f}\u00b0\n"
-        for one in mended
+        for one in parted
     ]
-    return cycle, "".join(lines)
+    return "".join(lines)
 
 
 def loop_of(cycle: Cycle, capture: Motion, settings: Any, fps: float) -> Motion:

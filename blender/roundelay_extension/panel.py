@@ -72,6 +72,9 @@ class ROUNDELAY_PT_main(_Panel, bpy.types.Panel):
     def _draw_loop(self, context: Context, item: Any) -> None:
         column = self.layout.box().column(align=True)
         column.operator("roundelay.show", text=item.action.name).action = item.action.name
+        _draw_lines(
+            column, context, item.verdict, icon="CHECKMARK" if item.verdict == "good" else "ERROR"
+        )
         length = item.action.frame_end - item.action.frame_start
         column.label(text=f"{length:.0f} frames, {item.period:.2f} s")
         column.label(text=f"{item.repetitions:.1f} times seen, {item.confidence:.0%} sure")

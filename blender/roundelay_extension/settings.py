@@ -43,6 +43,7 @@ class LoopReport(bpy.types.PropertyGroup):
     """One loop that was made."""
 
     action: PointerProperty(type=bpy.types.Action)
+    verdict: StringProperty()
     period: FloatProperty()
     repetitions: FloatProperty()
     confidence: FloatProperty()
@@ -95,7 +96,7 @@ class Settings(bpy.types.PropertyGroup):
     start_phase: FloatProperty(
         name="Start Phase", description="Where in the period the loop starts", min=0.0, max=1.0
     )
-    mirror: BoolProperty(name="Mirror", description="Exchange left and right")
+    mirror: shared(LoopOptions, "mirror")
     key_step: IntProperty(
         name="Key Every",
         description="Frames from key to key; 1 for a key at every frame, more for fewer keys",

@@ -27,6 +27,7 @@ def test_the_loop_is_a_cyclic_action_of_one_period(jumps):
     (cycle,) = roundelay.find_cycles(roundelay.read(CAPTURES / "01_01.bvh"))
     assert end - start == pytest.approx(round(cycle.period * 120), abs=2)
     report = bpy.context.scene.roundelay.loops[0]
+    assert report.verdict.startswith(("good", "look", "do not use"))
     assert report.period == pytest.approx(cycle.period, rel=0.01)
     assert report.repetitions == pytest.approx(cycle.evidence.repetitions, abs=0.2)
     assert report.confidence == pytest.approx(cycle.evidence.confidence, abs=0.02)

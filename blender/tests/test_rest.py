@@ -13,6 +13,8 @@ from conftest import CAPTURES, MODULE
 from inside import curves_of, extract, keys_of, pose_at
 from rigs import choose, pendulum
 from roundelay.base.options import leaves
+from roundelay.cycles.edit.separate import Mended
+from roundelay.loops import recipe
 from roundelay.segmentation import GaussianOptions
 
 
@@ -189,9 +191,9 @@ def test_limbs_are_parted_if_wanted(jumps, monkeypatch, wanted):
 
     def repaired(cycle, sources):
         asked.append([len(source) for source in sources])
-        return cycle, (types.SimpleNamespace(bones=("LeftHand", "Hips"), angle=0.1),)
+        return cycle, (Mended(("LeftHand", "Hips"), ((0.0, 0.1),), 0.1),)
 
-    monkeypatch.setattr(sys.modules[f"{MODULE}.loops"], "repaired", repaired)
+    monkeypatch.setattr(recipe, "repaired", repaired)
     settings = bpy.context.scene.roundelay
     settings.repair = wanted
     extract()

@@ -31,6 +31,7 @@ from roundelay.library import build_library as build_library
 from roundelay.loops.options import LoopOptions as LoopOptions
 from roundelay.loops.quality import Quality as Quality
 from roundelay.loops.quality import quality as quality
+from roundelay.loops.recipe import Loop as Loop
 from roundelay.motion.features import point_cloud as point_cloud
 from roundelay.motion.motion import Motion as Motion
 from roundelay.motion.motion import concatenate as concatenate
@@ -39,6 +40,7 @@ from roundelay.motion.poses import Poses as Poses
 from roundelay.pipeline import find_cycles as find_cycles
 from roundelay.pipeline import find_periodic as find_periodic
 from roundelay.pipeline import make_cycle as make_cycle
+from roundelay.pipeline import make_loops as make_loops
 from roundelay.pipeline import understand as understand
 from roundelay.pipeline import with_periods as with_periods
 from roundelay.segmentation import Segmentation as Segmentation

@@ -8,6 +8,7 @@
            -> Evidence      barcode, circular coordinate, turns          timeline/finding.py
            -> phase         from structure to time                       phase/
            -> Cycle         a closed curve of poses with its travel      cycles/
+           -> Loop          repaired, sampled, measured, judged          loops/recipe.py
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from roundelay.base.threads import one_thread
 from roundelay.cycles.captured import as_captured
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.models import cycle_models
+from roundelay.loops.options import LoopOptions
+from roundelay.loops.recipe import Loop, made_loop
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses
 from roundelay.phase.tempo import time_phase
@@ -41,6 +44,7 @@ __all__ = [
     "find_cycles",
     "find_periodic",
     "make_cycle",
+    "make_loops",
     "understand",
     "with_periods",
 ]
@@ -95,6 +99,51 @@ def find_cycles(
         raise refused[0]
     report(progress, 1.0, "done")
     return cycles
+
+
+@one_thread
+def make_loops(
+    motion: Motion,
+    search: Options | None = None,
+    render: LoopOptions | None = None,
+    progress: Progress | None = None,
+) -> list[Loop]:
+    """Make the loops of a capture, as ``roundelay loop`` writes them.
+
+    Parameters
+    ----------
+    motion : Motion
+        The capture.
+    search : Options, optional
+        What is looked for; automatic by default.
+    render : LoopOptions, optional
+        How a loop is repaired, sampled and written.
+    progress : callable, optional
+        Called with the fraction done and the stage's name; returning False cancels.
+
+    Returns
+    -------
+    list of Loop
+        One for each motion, the one most often and most surely repeated first. `Loop.write`
+        writes it.
+
+    Raises
+    ------
+    NoPeriod
+        If no part of the capture is periodic; the error carries the evidence.
+    TooShort
+        If there are fewer than 8 frames.
+    SkeletonMismatch
+        If a joint of the options does not exist, or the loops shall be mirrored and a joint of
+        one side has no partner on the other.
+    ValueError
+        If an option is out of range.
+    Cancelled
+        If `progress` returned False.
+    """
+    render = chosen(LoopOptions, render)
+    cycles = find_cycles(motion, search, progress=progress)
+    return [made_loop(cycle, motion, render) for cycle in cycles]
 
 
 @one_thread

@@ -72,6 +72,8 @@ def test_the_table_has_a_row_a_cycle(made):
     rows = (made[0].folder / "cycles.csv").read_text().splitlines()
     assert len(rows) == 1 + made[0].summary["loops"]
     assert rows[0].startswith("file,frames,group,period_seconds")
+    assert rows[0].endswith(",verdict")
+    assert {row.rpartition(",")[2] for row in rows[1:]} <= {"good", "look", "do not use"}
 
 
 def test_loops_of_one_name_do_not_collide(clips, tmp_path):
@@ -183,10 +185,10 @@ def test_names_that_are_no_text(clips, tmp_path):
 
 
 def test_faults_of_the_program_do_not_end_the_work(clips, tmp_path, monkeypatch):
-    def broken(motion):
+    def broken(motion, render):
         raise ZeroDivisionError("a fault")
 
-    monkeypatch.setattr("roundelay.library.clips.find_cycles", broken)
+    monkeypatch.setattr("roundelay.library.clips.make_loops", broken)
     library = rl.build_library(clips, tmp_path / "library", jobs=1)
     assert [clip["error"] for clip in library.clips] == [
         "anna/take.bvh: ZeroDivisionError: a fault",

@@ -42,14 +42,14 @@ def test_its_loops_are_those_of_loop(captures, tmp_path):
 def test_an_interrupted_run_keeps_what_is_done(clips, tmp_path, monkeypatch):
     done = []
 
-    def interrupted(motion):
+    def interrupted(motion, render):
         if done:
             raise KeyboardInterrupt
         done.append(motion)
-        return rl.find_cycles(motion)
+        return rl.make_loops(motion, render=render)
 
     with monkeypatch.context() as patch:
-        patch.setattr("roundelay.library.clips.find_cycles", interrupted)
+        patch.setattr("roundelay.library.clips.make_loops", interrupted)
         result = run("library", clips, "-o", tmp_path, "--jobs", 1)
     assert result.exit_code == 130
     assert result.stderr == "roundelay: interrupted; run it again to go on\n"

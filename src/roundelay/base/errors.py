@@ -12,6 +12,7 @@
     └── Cancelled          the caller's progress callback said stop
 
 ``RoundelayWarning`` is the category of warnings: the input is used, but not all as it is.
+``RateAssumed`` is the one of them for files that tell no frame rate.
 
 Wrong arguments (a negative frame rate, an unknown option) raise ``ValueError`` or
 ``TypeError`` as everywhere in Python.
@@ -27,6 +28,7 @@ __all__ = [
     "FormatError",
     "LiftError",
     "NoPeriod",
+    "RateAssumed",
     "RoundelayError",
     "RoundelayWarning",
     "SkeletonMismatch",
@@ -67,6 +69,10 @@ class FormatError(RoundelayError):
         self.message, self.path, self.line, self.column = message, path, line, column
         place = [str(part) for part in (path, line, column) if part is not None]
         super().__init__(":".join(place) + ": " + message if place else message)
+
+
+class RateAssumed(RoundelayWarning):
+    """Say that a file tells no frame rate, and which is assumed."""
 
 
 class SkeletonMismatch(RoundelayError):

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from roundelay.commands.common import File, one_line_errors, output_directory, read_capture
+from roundelay.base.files import name_of
+from roundelay.commands.common import (
+    Captures,
+    Output,
+    in_format_of,
+    one_line_errors,
+    place_of,
+    read_capture,
+)
 from roundelay.commands.limbs import print_limbs
 from roundelay.commands.options import all_but, only, takes
 from roundelay.cycles.edit.options import BlendOptions, TransitionOptions
+from roundelay.formats.options import ReadOptions
 from roundelay.loops.options import LoopOptions
 
 if TYPE_CHECKING:
@@ -20,10 +29,6 @@ if TYPE_CHECKING:
     from roundelay.cycles.cycle import Cycle
     from roundelay.motion.motion import Motion
 
-Captures = Annotated[
-    list[Path],
-    typer.Argument(metavar="CAPTURE", help="{readers} files, one cycle each.", show_default=False),
-]
 First = Annotated[
     Path, typer.Argument(metavar="FIRST", help="A {readers} file.", show_default=False)
 ]
@@ -32,60 +37,75 @@ Second = Annotated[
 ]
 
 
-@takes(mixing=BlendOptions, written=all_but(LoopOptions, "file_format", "profile"))
-def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: LoopOptions) -> None:
+@takes(mixing=BlendOptions, written=all_but(LoopOptions, "profile"), reading=ReadOptions)
+def blend(
+    captures: Captures,
+    output: Output,
+    *,
+    mixing: BlendOptions,
+    written: LoopOptions,
+    reading: ReadOptions,
+) -> None:
     """Blend the best cycles of several captures and write the loop.
 
     The cycles are brought into phase and heading with the first; rotations are averaged on the
     sphere, travel, turning and period blended along. Limbs that pass through each other more
-    than in the captures are parted.
+    than in the captures are parted. In a folder the file is FIRST_blend.bvh.
     """
     with one_line_errors():
         from roundelay.cycles.edit.blend import blend as blend_cycles
-        from roundelay.cycles.edit.separate import repaired
-        from roundelay.formats import write, writer_of
-        from roundelay.loops.profiles import limb_record
+        from roundelay.formats import suffixes_of, writers
+        from roundelay.loops.recipe import rendered
 
-        writer_of(file)  # refuses a suffix that none knows, before the work
-        written = replace(written, file_format=file.suffix[1:].lower())
         shares = _shares(mixing, len(captures))
-        cycles, sources = _best_cycles(captures, mixing.mirror)
+        place = place_of(output, name_of(captures[0]), suffixes_of(writers))
+        written = in_format_of(place, written)
+        cycles, sources = _best_cycles(captures, mixing.mirror, reading)
         mixed = blend_cycles(cycles, shares, by=mixing.by, mirror=mixing.mirror)
-        mixed, mended = repaired(mixed, sources) if written.repair else (mixed, ())
-        loop = mixed.sample(**written.sampling)
-        output_directory(file.parent)
-        write(loop, file)
-        typer.echo(f"{file}: {len(loop)} frames, period {mixed.period:.2f} s")
-        parted = mixed.sample(written.fps, foot_lock=written.foot_lock)
-        print_limbs(limb_record(parted, mended))
+        loop = rendered(mixed, sources, written)
+        path = place.file or place.path("blend", f".{written.file_format}")
+        loop.write(path)
+        typer.echo(f"{path}: {len(loop.motion)} frames, period {mixed.period:.2f} s")
+        print_limbs(loop.playback)
 
 
-@takes(joining=TransitionOptions, written=only(LoopOptions, "fps", "repair"))
+@takes(
+    joining=TransitionOptions,
+    written=only(LoopOptions, "fps", "mirror", "resize", "repair", "file_format"),
+    reading=ReadOptions,
+)
 def transition(
     first: First,
     second: Second,
-    file: File,
+    output: Output,
     *,
     joining: TransitionOptions,
     written: LoopOptions,
+    reading: ReadOptions,
 ) -> None:
-    """Go from the best cycle of one capture to that of another, the phase running on."""
+    """Go from the best cycle of one capture to that of another, the phase running on.
+
+    In a folder the file is FIRST_to_SECOND.bvh.
+    """
     with one_line_errors():
         from roundelay.cycles.edit.blend import transition as make_transition
-        from roundelay.cycles.edit.separate import repaired_motion
-        from roundelay.formats import write
+        from roundelay.formats import suffixes_of, write, writers
         from roundelay.loops.profiles import limb_record
+        from roundelay.loops.recipe import rendered_motion
 
-        (start, end), sources = _best_cycles([first, second], joining.mirror)
+        place = place_of(output, name_of(first), suffixes_of(writers))
+        path = place.file or place.path(f"to_{name_of(second)}", f".{written.file_format}")
+        (start, end), sources = _best_cycles([first, second], joining.mirror, reading)
         motion = make_transition(start, end, **asdict(joining), fps=written.fps)
-        motion, mended = repaired_motion(motion, sources) if written.repair else (motion, ())
-        output_directory(file.parent)
-        write(motion, file)
-        typer.echo(f"{file}: {len(motion)} frames at {motion.fps:.4g} fps")
-        print_limbs(limb_record(motion, mended))
+        motion, parted = rendered_motion(motion, sources, written)
+        write(motion, path)
+        typer.echo(f"{path}: {len(motion)} frames at {motion.fps:.4g} fps")
+        print_limbs(limb_record(motion, parted))
 
 
-def _best_cycles(paths: Sequence[Path], mirror: bool) -> tuple[list[Cycle], list[Motion]]:
+def _best_cycles(
+    paths: Sequence[Path], mirror: bool, reading: ReadOptions
+) -> tuple[list[Cycle], list[Motion]]:
     """Return the best cycle of each capture, and the parts of the captures that show them."""
     from roundelay.base.errors import NoPeriod
     from roundelay.cycles.edit.separate import source_parts
@@ -93,7 +113,7 @@ def _best_cycles(paths: Sequence[Path], mirror: bool) -> tuple[list[Cycle], list
 
     cycles, sources = [], []
     for path in paths:
-        motion = read_capture(path, None)
+        motion = read_capture(path, None, reading)
         try:
             cycles.append(find_cycles(motion)[0])
         except NoPeriod as refusal:

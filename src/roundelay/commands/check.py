@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from roundelay.commands.common import FAULTY, Json, one_line_errors, print_json
+from roundelay.commands.common import FAULTY, Json, one_line_errors, print_json, read_capture
+from roundelay.commands.options import only, takes
+from roundelay.formats.options import ReadOptions
 
 if TYPE_CHECKING:
     from roundelay.loops.lint import Fault
@@ -43,8 +45,14 @@ class _Checked:
     faults: tuple[Fault, ...]
 
 
+@takes(reading=only(ReadOptions, "capture_fps"))
 def check(
-    source: Source, mend: Mend = False, overwrite: Overwrite = False, json: Json = False
+    source: Source,
+    mend: Mend = False,
+    overwrite: Overwrite = False,
+    json: Json = False,
+    *,
+    reading: ReadOptions,
 ) -> None:
     """Find the faults of loops: what would be seen when they are played.
 
@@ -56,7 +64,7 @@ def check(
     with one_line_errors(source):
         if overwrite and not mend:
             raise ValueError("expected --overwrite with --mend, found it alone")
-        checked = _checked_all(_loops(source))
+        checked = _checked_all(_loops(source), reading)
         written = [_mended(one, overwrite) if mend and one.faults else None for one in checked]
         if json:
             print_json({"loops": list(map(_record, checked, written))})
@@ -86,12 +94,11 @@ def _original(path: Path) -> Path | None:
     return path.with_stem(stem) if stem not in ("", path.stem) else None
 
 
-def _checked_all(paths: Sequence[Path]) -> list[_Checked]:
+def _checked_all(paths: Sequence[Path], reading: ReadOptions) -> list[_Checked]:
     """Judge loops, gaits also by the phase that most of them share."""
-    from roundelay.formats import read
     from roundelay.loops.lint import lint, phase_of_set
 
-    loops = [(path, read(path), _wraps(path)) for path in paths]
+    loops = [(path, read_capture(path, None, reading), _wraps(path)) for path in paths]
     phases = [_phase(*loop) for loop in loops]
     shared = phase_of_set([phase for phase in phases if phase is not None])
     return [

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from errno import ENOTDIR
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -15,6 +17,8 @@ import typer
 
 if TYPE_CHECKING:
     from roundelay.base.progress import Progress
+    from roundelay.formats.options import ReadOptions
+    from roundelay.loops.options import LoopOptions
     from roundelay.motion.motion import Motion
 
 __all__ = [
@@ -23,14 +27,19 @@ __all__ = [
     "INTERRUPTED",
     "NO_PERIOD",
     "Capture",
+    "Captures",
     "Directory",
-    "File",
     "Json",
+    "Output",
     "Picture",
+    "Place",
     "Skeleton",
+    "exit_code",
     "fail",
+    "in_format_of",
     "one_line_errors",
     "output_directory",
+    "place_of",
     "print_capture",
     "print_json",
     "progress_bar",
@@ -38,9 +47,23 @@ __all__ = [
 ]
 
 FAULTY, BAD_INPUT, NO_PERIOD, INTERRUPTED = 1, 2, 3, 130
+_LIKE_A_SUFFIX = re.compile(r"\.[a-z]{2,5}")
 
 Capture = Annotated[
-    Path, typer.Argument(metavar="CAPTURE", help="A {readers} file.", show_default=False)
+    Path,
+    typer.Argument(
+        metavar="CAPTURE",
+        help="A {readers} file, as it is or packed (.gz); - for standard input, see --as.",
+        show_default=False,
+    ),
+]
+Captures = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="CAPTURE",
+        help="{readers} files, as they are or packed (.gz); - for standard input, see --as.",
+        show_default=False,
+    ),
 ]
 Skeleton = Annotated[
     Path | None,
@@ -49,9 +72,15 @@ Skeleton = Annotated[
 Directory = Annotated[
     Path, typer.Option("-o", "--output", help="Folder for the results; made if need be.")
 ]
-File = Annotated[
-    Path,
-    typer.Option("-o", "--file", help="File to write: {writers}.", show_default=False),
+Output = Annotated[
+    str,
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="FILE|FOLDER",
+        help="A file, by its suffix; else a folder for files named after the capture. Folders are "
+        "made if need be.",
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the results as JSON.")]
 Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
@@ -93,15 +122,93 @@ def one_line_errors(capture: Path | None = None) -> Iterator[None]:
             fail(f"{named}out of memory")
 
 
+def exit_code(work: Callable[[], None]) -> int:
+    """Do the work on one of several captures and return the exit code that it asks for."""
+    try:
+        work()
+    except typer.Exit as end:
+        return end.exit_code
+    return 0
+
+
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     typer.echo(f"roundelay: note: {message}", err=True)
 
 
-def read_capture(path: Path, skeleton: Path | None) -> Motion:
-    """Read a capture with the skeleton it needs."""
-    from roundelay.formats import read
+def read_capture(path: Path, skeleton: Path | None, reading: ReadOptions) -> Motion:
+    """Read a capture with the skeleton it needs.
 
-    return read(path, skeleton=skeleton)
+    Raises
+    ------
+    FormatError
+        If it tells a frame rate that no camera has.
+    """
+    from roundelay.base.errors import FormatError
+    from roundelay.formats import read
+    from roundelay.motion.motion import FASTEST
+
+    fps, suffix = reading.capture_fps, reading.suffix
+    motion = read(path, skeleton=skeleton, fps=fps, suffix=suffix)
+    if motion.fps > FASTEST:
+        told = f"expected up to {FASTEST:g} frames a second, found {motion.fps:g}"
+        raise FormatError(f"{told}; give the true rate by --capture-fps", path=path)
+    return motion
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a command writes.
+
+    Parameters
+    ----------
+    folder : Path
+    name : str
+        Of the capture: files in a folder begin with it.
+    file : Path or None
+        The file that was asked for by its name.
+    """
+
+    folder: Path
+    name: str
+    file: Path | None = None
+
+    def path(self, kind: str, suffix: str, number: str = "") -> Path:
+        """Return the path of a file of a kind; in a folder its name tells the kind, too."""
+        named = f"{self.name}_{kind}" if self.file is None else self.file.stem
+        return self.folder / f"{named}{number}{suffix}"
+
+
+def place_of(output: str, name: str, suffixes: Iterable[str]) -> Place:
+    """Tell a file to write from a folder, and make the folder: one rule for all commands.
+
+    What ends in a suffix that the command writes is a file, unless it is a folder already.
+
+    Parameters
+    ----------
+    output : str
+        As it was typed.
+    name : str
+        Of the capture.
+    suffixes : iterable of str
+        That the command writes, with their dots.
+
+    Raises
+    ------
+    ValueError
+        If it looks like a file of another type.
+    OSError
+        If the folder cannot be made.
+    """
+    path, known = Path(output), tuple(suffixes)
+    suffix = path.suffix.lower()
+    if output.endswith("/") or path.is_dir():
+        return Place(output_directory(path), name)
+    if suffix in known:
+        return Place(output_directory(path.parent), name, path)
+    if _LIKE_A_SUFFIX.fullmatch(suffix):
+        told = f"expected a folder, or a file of type {', '.join(known)}, found {path.name!r}"
+        raise ValueError(f"{told}; end the name of a folder with /")
+    return Place(output_directory(path), name)
 
 
 def output_directory(path: Path) -> Path:
@@ -114,9 +221,27 @@ def output_directory(path: Path) -> Path:
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise NotADirectoryError(ENOTDIR, "expected a folder, found a file", str(path)) from None
+    except (FileExistsError, NotADirectoryError):
+        at = next((each for each in (path, *path.parents) if each.is_file()), path)
+        raise NotADirectoryError(ENOTDIR, "expected a folder, found a file", str(at)) from None
     return path
+
+
+def in_format_of(place: Place, written: LoopOptions) -> LoopOptions:
+    """Return options of the format that the suffix of a file asks for, if it was named.
+
+    Raises
+    ------
+    ValueError
+        If another format was asked for, too.
+    """
+    if place.file is None:
+        return written
+    suffix, own = place.file.suffix[1:].lower(), type(written)().file_format
+    if written.file_format not in (own, suffix):
+        asked = f"--format {written.file_format}, found {place.file.name!r}"
+        raise ValueError(f"expected a file of the suffix of {asked}; leave one of them out")
+    return replace(written, file_format=suffix)
 
 
 @contextmanager
@@ -143,6 +268,6 @@ def print_capture(capture: dict[str, Any]) -> None:
     )
 
 
-def print_json(record: dict[str, Any]) -> None:
-    """Print a record for machines."""
+def print_json(record: dict[str, Any] | list[dict[str, Any]]) -> None:
+    """Print a record, or several, for machines."""
     typer.echo(json.dumps(record, indent=1))

@@ -2,46 +2,38 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import typer
 
-from roundelay.base.options import Checked, option
+from roundelay.base.files import name_of
 from roundelay.commands.common import (
     Capture,
     Skeleton,
     one_line_errors,
-    output_directory,
+    place_of,
     read_capture,
 )
 from roundelay.commands.options import only, takes
+from roundelay.formats.options import ReadOptions
 from roundelay.loops.options import LoopOptions
 from roundelay.timeline.options import Options
 
 Target = Annotated[
-    Path,
-    typer.Argument(metavar="TARGET", help="The {writers} file to write.", show_default=False),
+    str,
+    typer.Argument(
+        metavar="TARGET",
+        help="The {writers} file to write; or a folder for one of --format, named as the capture.",
+        show_default=False,
+    ),
 ]
 
 
-@dataclass(frozen=True)
-class ConvertOptions(Checked):
-    """Choices of a conversion.
-
-    Parameters
-    ----------
-    resize : float
-        Factor of every length.
-    """
-
-    title: ClassVar[str] = "What is changed"
-
-    resize: float = option(1.0, "Multiply every length by this.", above=0)
-
-
-@takes(search=only(Options, "frames"), written=only(LoopOptions, "fps"), change=ConvertOptions)
+@takes(
+    search=only(Options, "frames"),
+    written=only(LoopOptions, "fps", "mirror", "resize", "file_format"),
+    reading=ReadOptions,
+)
 def convert(
     capture: Capture,
     target: Target,
@@ -49,23 +41,25 @@ def convert(
     *,
     search: Options,
     written: LoopOptions,
-    change: ConvertOptions,
+    reading: ReadOptions,
 ) -> None:
-    """Convert a capture to another format, resampled, cropped or scaled.
+    """Convert a capture to another format, resampled, cropped, mirrored or resized.
 
     An AMC gets its ASF beside it, of the same name.
     """
     with one_line_errors(capture):
-        from roundelay.formats import write
+        from roundelay.formats import suffixes_of, write, writers
+        from roundelay.loops.recipe import placed
 
-        motion = read_capture(capture, skeleton)
+        name = name_of(capture)
+        place = place_of(target, name, suffixes_of(writers))
+        path = place.file or place.folder / f"{name}.{written.file_format}"
+        motion = read_capture(capture, skeleton, reading)
         wanted = search.span(len(motion))
         if wanted is not None:
             motion = motion[slice(*wanted)]
-        if change.resize != 1.0:
-            motion = motion.scaled(change.resize)
+        motion = placed(motion, written)
         if written.fps is not None:
             motion = motion.resample(written.fps)
-        output_directory(target.parent)
-        write(motion, target)
-        typer.echo(f"{target}: {len(motion)} frames at {motion.fps:.4g} fps")
+        write(motion, path)
+        typer.echo(f"{path}: {len(motion)} frames at {motion.fps:.4g} fps")

@@ -3,40 +3,49 @@
 from __future__ import annotations
 
 from math import pi
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
+from roundelay.base.files import name_of
 from roundelay.commands.common import (
     Capture,
-    Directory,
     Json,
+    Output,
     Picture,
     Skeleton,
     one_line_errors,
-    output_directory,
+    place_of,
     print_capture,
     print_json,
     read_capture,
 )
 from roundelay.commands.options import only, takes
+from roundelay.formats.options import ReadOptions
 from roundelay.timeline.options import Options, ShownOptions
 
 if TYPE_CHECKING:
     from roundelay.timeline.proposals.excitation import Excitation
 
 
-@takes(search=only(Options, "frames", "joints", "metric", "delay", "prime"), shown=ShownOptions)
+_SUFFIXES = (".json", ".png")
+
+
+@takes(
+    search=only(Options, "frames", "joints", "metric", "delay", "prime"),
+    shown=ShownOptions,
+    reading=ReadOptions,
+)
 def excitations(
     capture: Capture,
-    output: Directory = Path("."),
+    output: Output = ".",
     skeleton: Skeleton = None,
     picture: Picture = True,
     json: Json = False,
     *,
     search: Options,
     shown: ShownOptions,
+    reading: ReadOptions,
 ) -> None:
     """Show the classes of a whole capture and the frames in which the coordinate of each turns.
 
@@ -44,14 +53,20 @@ def excitations(
     Writes NAME_excitations.json and NAME_excitations.png. Loops of what recurs, with or without
     something else between, are made by `roundelay loop`.
     """
+    from roundelay.base.errors import TooShort
     from roundelay.motion.features import point_cloud
     from roundelay.output.records import capture_record, write_json
     from roundelay.timeline.proposals.excitation import excitations as find_excitations
+    from roundelay.timeline.thresholds import SEARCH
 
     with one_line_errors(capture):
-        motion = read_capture(capture, skeleton).with_root_motion()
+        motion = read_capture(capture, skeleton, reading).with_root_motion()
         first, last = search.span(len(motion)) or (0, len(motion))
-        folder, topology = output_directory(output), search.topology
+        if last - first < SEARCH.fewest:
+            few = f"found {last - first}"
+            raise TooShort(f"a period needs at least {SEARCH.fewest} frames, {few}")
+        place = place_of(output, name_of(capture), _SUFFIXES)
+        topology = search.topology
         chosen = None if search.joints is None else motion.skeleton.indices(search.joints)
         found = find_excitations(
             point_cloud(motion, joints=chosen)[first:last],
@@ -73,12 +88,12 @@ def excitations(
             "bars": len(found.barcode),
             "classes": [_class(one, first) for one in found.classes],
         }
-        write_json(record, folder / f"{capture.stem}_excitations.json")
+        write_json(record, place.path("excitations", ".json"))
         if picture:
             from roundelay.output import figures
 
             drawn = figures.excitations(motion, found, start=first)
-            figures.save(drawn, folder / f"{capture.stem}_excitations.png")
+            figures.save(drawn, place.path("excitations", ".png"))
         if json:
             print_json(record)
         else:

@@ -7,20 +7,22 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from roundelay.base.files import name_of
 from roundelay.commands.common import (
     Capture,
-    Directory,
     Json,
+    Output,
     Picture,
     Skeleton,
     one_line_errors,
-    output_directory,
+    place_of,
     print_capture,
     print_json,
     progress_bar,
     read_capture,
 )
 from roundelay.commands.options import all_but, takes
+from roundelay.formats.options import ReadOptions
 from roundelay.timeline.options import Options, ShownOptions
 
 if TYPE_CHECKING:
@@ -28,19 +30,24 @@ if TYPE_CHECKING:
     from roundelay.timeline.inspection import Inspection
 
 
+_SUFFIXES = (".json", ".png")
+
+
 @takes(
     search=all_but(Options, "classes", "method", "harmonics", "velocity", "acceleration"),
     shown=ShownOptions,
+    reading=ReadOptions,
 )
 def inspect(
     capture: Capture,
-    output: Directory = Path("."),
+    output: Output = ".",
     skeleton: Skeleton = None,
     picture: Picture = True,
     json: Json = False,
     *,
     search: Options,
     shown: ShownOptions,
+    reading: ReadOptions,
 ) -> None:
     """Show the barcode of every motion and the coordinate of each of its classes.
 
@@ -54,18 +61,18 @@ def inspect(
 
     with one_line_errors(capture):
         with progress_bar(quiet=json):
-            motion = read_capture(capture, skeleton)
-            folder = output_directory(output)
+            motion = read_capture(capture, skeleton, reading)
+            place = place_of(output, name_of(capture), _SUFFIXES)
             most = {} if shown.classes is None else {"most": shown.classes}
             found = inspect_motion(motion, search, **most)
         record = _record(motion, capture, search, found)
         from roundelay.output.records import write_json
 
-        write_json(record, folder / f"{capture.stem}_inspect.json")
+        write_json(record, place.path("inspect", ".json"))
         if picture:
             from roundelay.output.figures import inspection, save
 
-            save(inspection(motion, found), folder / f"{capture.stem}_inspect.png")
+            save(inspection(motion, found), place.path("inspect", ".png"))
         if json:
             print_json(record)
         else:

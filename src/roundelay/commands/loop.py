@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from roundelay.base.files import name_of
 from roundelay.commands.common import (
+    BAD_INPUT,
     NO_PERIOD,
-    Capture,
-    Directory,
+    Captures,
     Json,
+    Output,
     Picture,
+    Place,
     Skeleton,
+    exit_code,
+    in_format_of,
     one_line_errors,
-    output_directory,
+    place_of,
     print_capture,
     print_json,
     progress_bar,
@@ -24,15 +33,13 @@ from roundelay.commands.common import (
 )
 from roundelay.commands.limbs import print_limbs
 from roundelay.commands.options import takes
+from roundelay.formats.options import ReadOptions
 from roundelay.loops.options import LoopOptions
 from roundelay.timeline.options import Options
 
 if TYPE_CHECKING:
-    from roundelay.base.errors import NoPeriod
     from roundelay.base.progress import Progress
-    from roundelay.cycles.cycle import Cycle
-    from roundelay.cycles.edit.separate import Mended
-    from roundelay.loops.profiles import Profile
+    from roundelay.loops.recipe import Loop
     from roundelay.motion.motion import Motion
 
 PerBehaviour = Annotated[
@@ -42,10 +49,24 @@ PerBehaviour = Annotated[
 Gif = Annotated[bool, typer.Option("--gif", help="Write each loop as a moving picture, too.")]
 
 
-@takes(search=Options, written=LoopOptions)
+@dataclass(frozen=True)
+class _Asked:
+    """What was asked of every capture."""
+
+    search: Options
+    written: LoopOptions
+    reading: ReadOptions
+    skeleton: Path | None
+    per_behaviour: bool
+    picture: bool
+    gif: bool
+    json: bool
+
+
+@takes(search=Options, written=LoopOptions, reading=ReadOptions)
 def loop(
-    capture: Capture,
-    output: Directory = Path("."),
+    captures: Captures,
+    output: Output = ".",
     skeleton: Skeleton = None,
     per_behaviour: PerBehaviour = False,
     picture: Picture = True,
@@ -54,116 +75,145 @@ def loop(
     *,
     search: Options,
     written: LoopOptions,
+    reading: ReadOptions,
 ) -> None:
-    """Find the periodic motions of a capture and write a seamless loop of each.
+    """Find the periodic motions of captures and write a seamless loop of each.
 
     Writes NAME_loop.bvh (NAME_loop2.bvh, ... for further motions), NAME_loop.json and
-    NAME_loop.png. Everything is automatic; the options are there to overrule it.
+    NAME_loop.png, or names as -o says; loops that an earlier run left there and that are none any
+    more are removed. Everything is automatic; the options are there to overrule it.
 
-    Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found.
+    Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found. Of several
+    captures the worst counts, 2 being worse than 3.
     """
+    asked = _Asked(search, written, reading, skeleton, per_behaviour, picture, gif, json)
+    with one_line_errors():
+        places = _places(captures, output)
+    records: list[dict[str, Any]] = []
+    codes = [
+        exit_code(partial(_looped, capture, place, asked, records))
+        for capture, place in zip(captures, places, strict=True)
+    ]
+    if json and records:
+        print_json(records[0] if len(captures) == 1 else records)
+    raise typer.Exit(max(codes, key=(0, NO_PERIOD, BAD_INPUT).index))
+
+
+def _places(captures: Sequence[Path], output: str) -> list[Place]:
+    """Tell where the loops of each capture go.
+
+    Raises
+    ------
+    ValueError
+        If those of two would go to the same files, or over a capture.
+    """
+    from roundelay.formats import suffixes_of, writers
+
+    names = [name_of(capture) for capture in captures]
+    places = [place_of(output, name, suffixes_of(writers)) for name in names]
+    if len(captures) > 1 and places[0].file is not None:
+        raise ValueError(f"expected a folder for {len(captures)} captures, found {output!r}")
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise ValueError(f"expected captures of different names, found {twice!r} twice")
+    if places[0].file is not None and places[0].file.resolve() == captures[0].resolve():
+        raise ValueError(f"{output}: expected another file than the capture itself")
+    return places
+
+
+def _looped(capture: Path, place: Place, asked: _Asked, records: list[dict[str, Any]]) -> None:
+    """Make, write and tell the loops of a capture; add its record."""
     from roundelay.base.errors import NoPeriod
-    from roundelay.loops.profiles import profiles
+    from roundelay.output.records import capture_record, refusal_record
 
     with one_line_errors(capture):
-        profile = profiles[written.profile]
-        with progress_bar(quiet=json) as progress:
-            motion = read_capture(capture, skeleton)
-            folder = output_directory(output)
+        written = in_format_of(place, asked.written)
+        with progress_bar(quiet=asked.json) as progress:
+            motion = read_capture(capture, asked.skeleton, asked.reading)
+            record = capture_record(motion, capture, asked.search)
             try:
-                cycles = _cycles(motion, search, per_behaviour, progress)
+                loops = _loops(motion, asked.search, written, asked.per_behaviour, progress)
             except NoPeriod as refusal:
-                _refuse(motion, capture, folder, search, refusal, json)
-        loops = [_repaired(motion, one) if written.repair else (one, ()) for one in cycles]
-        record = _write(motion, capture, folder, search, loops, written, profile, picture)
-        if gif:
-            _animate(record, [cycle for cycle, _ in loops], folder)
-        if json:
-            print_json(record)
-        else:
-            _print_summary(record, folder)
+                records.append(record | refusal_record(refusal))
+                _leave_record(records[-1], place, capture)
+                if asked.json:
+                    raise typer.Exit(NO_PERIOD) from None
+                raise
+        record |= {
+            "sampling": asdict(written),
+            "cycles": _written(loops, place, written, asked.gif),
+        }
+        if asked.picture:
+            from roundelay.output.figures import overview, save
+
+            cycles = [one.cycle for one in loops]
+            save(overview(motion, cycles), place.path("loop", ".png"))
+        _leave_record(record, place, capture)
+        records.append(record)
+        if not asked.json:
+            _print_summary(record, place.folder)
 
 
-def _cycles(
-    motion: Motion, options: Options, per_behaviour: bool, progress: Progress | None
-) -> list[Cycle]:
-    """Find the cycles of the whole capture, or of each of its segments."""
-    from roundelay.pipeline import cycles_in_segments, find_cycles
+def _loops(
+    motion: Motion,
+    search: Options,
+    written: LoopOptions,
+    per_behaviour: bool,
+    progress: Progress | None,
+) -> list[Loop]:
+    """Make the loops of the whole capture, or of each of its segments."""
+    from roundelay.loops.recipe import made_loop
+    from roundelay.pipeline import cycles_in_segments, make_loops
     from roundelay.segmentation import segment
 
     if not per_behaviour:
-        return find_cycles(motion, options, progress=progress)
-    if options.frames is not None:
+        return make_loops(motion, search, written, progress)
+    if search.frames is not None:
         raise ValueError("expected --frames or --per-behaviour, found both")
-    return cycles_in_segments(segment(motion), motion, options, progress=progress)
+    cycles = cycles_in_segments(segment(motion), motion, search, progress=progress)
+    return [made_loop(cycle, motion, written) for cycle in cycles]
 
 
-def _repaired(motion: Motion, cycle: Cycle) -> tuple[Cycle, tuple[Mended, ...]]:
-    from roundelay.cycles.edit.separate import repaired, source_parts
+def _written(
+    loops: Sequence[Loop], place: Place, written: LoopOptions, gif: bool
+) -> list[dict[str, Any]]:
+    """Write the loops, as moving pictures too if asked; return their records."""
+    from roundelay.output.records import loop_record
 
-    return repaired(cycle, source_parts(cycle, motion))
+    told = []
+    for number, one in enumerate(loops, 1):
+        ending = str(number) if number > 1 else ""
+        files = [*one.write(place.path("loop", f".{written.file_format}", ending))]
+        if gif:
+            from roundelay.output.figures import animation
 
-
-def _refuse(
-    motion: Motion,
-    capture: Path,
-    folder: Path,
-    options: Options,
-    refusal: NoPeriod,
-    json: bool,
-) -> None:
-    from roundelay.output.records import capture_record, refusal_record, write_json
-
-    record = capture_record(motion, capture, options) | refusal_record(refusal)
-    write_json(record, folder / f"{capture.stem}_loop.json")
-    if json:
-        print_json(record)
-        raise typer.Exit(NO_PERIOD)
-    raise refusal
+            files.append(files[0].with_suffix(".gif"))
+            animation(one.cycle.sample(), files[-1])
+        told.append(loop_record(one, files))
+    return told
 
 
-def _write(
-    motion: Motion,
-    capture: Path,
-    folder: Path,
-    options: Options,
-    loops: list[tuple[Cycle, tuple[Mended, ...]]],
-    written: LoopOptions,
-    profile: Profile,
-    picture: bool,
-) -> dict[str, Any]:
-    """Write loops, picture and record; return the record."""
-    from roundelay.formats import write
-    from roundelay.loops.quality import quality
-    from roundelay.loops.verdict import verdict_of
-    from roundelay.output.records import capture_record, cycle_record, verdict_record, write_json
+def _leave_record(record: dict[str, Any], place: Place, capture: Path) -> None:
+    """Write a record; remove the loops that the one before it lists and that are none any more."""
+    from roundelay.output.records import write_json
 
-    base = f"{capture.stem}_loop"
-    record = capture_record(motion, capture, options) | {"sampling": asdict(written), "cycles": []}
-    for number, (cycle, mended) in enumerate(loops, 1):
-        path = folder / f"{base}{number if number > 1 else ''}.{written.file_format}"
-        sampled = cycle.sample(**written.sampling)
-        write(sampled, path)
-        figures = quality(cycle, motion)
-        verdict = verdict_of(cycle, motion, sampled, figures, in_place=written.in_place)
-        entry = {"verdict": verdict_record(verdict, cycle)} | cycle_record(cycle, figures, [path])
-        playback = profile.record(cycle, written, mended)
-        record["cycles"].append(entry | {"loop_frames": len(sampled), "playback": playback})
-    if picture:
-        from roundelay.output.figures import overview, save
-
-        save(overview(motion, [cycle for cycle, _ in loops]), folder / f"{base}.png")
-    write_json(record, folder / f"{base}.json")
-    return record
+    path, count = place.path("loop", ".json"), len(record["cycles"])
+    numbered = re.compile(re.escape(path.stem) + r"(\d*)\.\w+")
+    for name in _listed(path):
+        found = numbered.fullmatch(name)
+        old = place.folder / name
+        if found and int(found[1] or 1) > count and old.resolve() != capture.resolve():
+            old.unlink(missing_ok=True)
+    write_json(record, path)
 
 
-def _animate(record: dict[str, Any], cycles: list[Cycle], folder: Path) -> None:
-    """Write each loop as a GIF beside its file."""
-    from roundelay.output.figures import animation
-
-    for entry, cycle in zip(record["cycles"], cycles, strict=True):
-        path = folder / entry["files"][0]
-        animation(cycle.sample(), path.with_suffix(".gif"))
+def _listed(path: Path) -> list[str]:
+    """List the files that a record of loops names; none if it is no such record."""
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        return [str(name) for cycle in record["cycles"] for name in cycle["files"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
 
 
 def _print_summary(record: dict[str, Any], folder: Path) -> None:

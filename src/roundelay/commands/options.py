@@ -40,7 +40,7 @@ class Taken:
         return (one for one in leaves(self.options) if one.name in self.names)
 
     def made(self, values: Mapping[str, Any]) -> Any:
-        """Make the options of values by name.
+        """Make the options of values by `_key`.
 
         Raises
         ------
@@ -52,7 +52,7 @@ class Taken:
             if one.options is not None:
                 given[one.name] = replace(self, options=one.options).made(values)
             elif one.name in self.names:
-                given[one.name] = values[one.name]
+                given[one.name] = values[_key(one)]
         return self.options(**given)
 
 
@@ -106,6 +106,11 @@ def taken_by(command: Command) -> tuple[Taken, ...]:
     return getattr(command, "taken", ())
 
 
+def _key(one: Declared) -> str:
+    """Return the name of a command's parameter: fields of two dataclasses may share theirs."""
+    return f"option_{one.flag.replace('-', '_')}"
+
+
 def _parameter(one: Declared, group: Taken) -> Parameter:
     """Return a parameter as Typer reads it."""
     switch = bool in choices(one.kind)
@@ -121,7 +126,7 @@ def _parameter(one: Declared, group: Taken) -> Parameter:
         reader = _reader(one)
         option = typer.Option(f"--{one.flag}", parser=reader, metavar=_form(one), **shown)
     annotation = Annotated[kind, option]  # type: ignore[valid-type]
-    return Parameter(one.name, Parameter.KEYWORD_ONLY, default=one.default, annotation=annotation)
+    return Parameter(_key(one), Parameter.KEYWORD_ONLY, default=one.default, annotation=annotation)
 
 
 def help_of(one: Declared) -> str:

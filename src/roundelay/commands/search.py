@@ -16,6 +16,7 @@ from roundelay.commands.common import (
     read_capture,
 )
 from roundelay.commands.options import only, takes
+from roundelay.formats.options import ReadOptions
 from roundelay.timeline.options import Options
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ Folder = Annotated[
 Count = Annotated[int, typer.Option(help="How many to list.", min=1)]
 
 
-@takes(query=only(Options, "frames"))
+@takes(query=only(Options, "frames"), reading=ReadOptions)
 def search(
     capture: Capture,
     folder: Folder,
@@ -39,6 +40,7 @@ def search(
     json: Json = False,
     *,
     query: Options,
+    reading: ReadOptions,
 ) -> None:
     """List the cycles of a library that are most like the best cycle of a capture.
 
@@ -53,7 +55,7 @@ def search(
 
     with one_line_errors(capture):
         library = Library.open(folder)
-        motion = read_capture(capture, skeleton)
+        motion = read_capture(capture, skeleton, reading)
         cycle = find_cycles(motion, query)[0]
         matches, left_out = library.search(cycle, count)
         if json:

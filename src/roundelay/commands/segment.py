@@ -7,19 +7,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from roundelay.base.files import name_of
 from roundelay.commands.common import (
     Capture,
-    Directory,
     Json,
+    Output,
     Picture,
+    Place,
     Skeleton,
     one_line_errors,
-    output_directory,
+    place_of,
     print_json,
     progress_bar,
     read_capture,
 )
 from roundelay.commands.options import only, takes
+from roundelay.formats.options import ReadOptions
 from roundelay.segmentation.options import SegmentOptions
 from roundelay.timeline.options import Options
 
@@ -30,10 +33,13 @@ if TYPE_CHECKING:
 Split = Annotated[bool, typer.Option("--split", help="Write each segment as a BVH of its own.")]
 
 
-@takes(search=only(Options, "joints"), cut=SegmentOptions)
+_SUFFIXES = (".json", ".csv", ".png")
+
+
+@takes(search=only(Options, "joints"), cut=SegmentOptions, reading=ReadOptions)
 def segment(
     capture: Capture,
-    output: Directory = Path("."),
+    output: Output = ".",
     skeleton: Skeleton = None,
     split: Split = False,
     picture: Picture = True,
@@ -41,6 +47,7 @@ def segment(
     *,
     search: Options,
     cut: SegmentOptions,
+    reading: ReadOptions,
 ) -> None:
     """Cut a capture into behaviours, and name those that come back alike.
 
@@ -55,10 +62,11 @@ def segment(
 
     with one_line_errors(capture):
         with progress_bar(quiet=json) as progress:
-            motion, folder = read_capture(capture, skeleton), output_directory(output)
+            motion = read_capture(capture, skeleton, reading)
+            place = place_of(output, name_of(capture), _SUFFIXES)
             found = cut_motion(motion, method=cut.chosen, joints=search.joints)
             found = with_periods(found, motion, progress=progress)
-        record = _write(found, motion, capture, folder, split, picture)
+        record = _write(found, motion, capture, place, split, picture)
         if json:
             print_json(record)
         else:
@@ -66,29 +74,28 @@ def segment(
 
 
 def _write(
-    found: Segmentation, motion: Motion, capture: Path, folder: Path, split: bool, picture: bool
+    found: Segmentation, motion: Motion, capture: Path, place: Place, split: bool, picture: bool
 ) -> dict[str, Any]:
     """Write record, bout table, picture and clips; return the record."""
     from roundelay.base.files import written_beside
     from roundelay.formats import write
     from roundelay.output.records import write_json
 
-    base = f"{capture.stem}_segments"
     record = found.to_dict() | {"source": capture.name, "files": []}
     if split:
         digits = max(2, len(str(len(found))))
         for number, clip in enumerate(found.clips(motion), 1):
-            path = folder / f"{capture.stem}_segment{number:0{digits}d}.bvh"
+            path = place.path("segment", ".bvh", f"{number:0{digits}d}")
             write(clip, path)
             record["files"].append(path.name)
-    with written_beside(folder / f"{base}.csv") as part:
+    with written_beside(place.path("segments", ".csv")) as part:
         part.write_text(found.to_csv(), encoding="utf-8")
     if picture:
         from roundelay.output.figures import save
         from roundelay.output.figures.timeline import timeline
 
-        save(timeline(found), folder / f"{base}.png")
-    write_json(record, folder / f"{base}.json")
+        save(timeline(found), place.path("segments", ".png"))
+    write_json(record, place.path("segments", ".json"))
     return record
 
 

@@ -7,32 +7,38 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from roundelay.base.files import name_of
 from roundelay.commands.common import (
     Capture,
-    Directory,
     Json,
+    Output,
     Skeleton,
     one_line_errors,
-    output_directory,
+    place_of,
     print_json,
     progress_bar,
     read_capture,
 )
 from roundelay.commands.options import only, takes
+from roundelay.formats.options import ReadOptions
 from roundelay.timeline.options import Options
 
 if TYPE_CHECKING:
     from roundelay.timeline.behaviours import Behaviour, Timeline
 
 
-@takes(search=only(Options, "frames", "joints", "proposers", "uncertain"))
+_SUFFIXES = (".json", ".csv")
+
+
+@takes(search=only(Options, "frames", "joints", "proposers", "uncertain"), reading=ReadOptions)
 def timeline(
     capture: Capture,
-    output: Directory = Path("."),
+    output: Output = ".",
     skeleton: Skeleton = None,
     json: Json = False,
     *,
     search: Options,
+    reading: ReadOptions,
 ) -> None:
     """Tell what repeats in a whole take, limb by limb, and how sure that is.
 
@@ -49,10 +55,11 @@ def timeline(
 
     with one_line_errors(capture):
         with progress_bar(quiet=json) as progress:
-            motion, folder = read_capture(capture, skeleton), output_directory(output)
+            motion = read_capture(capture, skeleton, reading)
+            place = place_of(output, name_of(capture), _SUFFIXES)
             told = understand(motion, search, progress=progress)
-        write_json(told.to_dict(), folder / f"{capture.stem}_timeline.json")
-        with written_beside(folder / f"{capture.stem}_timeline.csv") as part:
+        write_json(told.to_dict(), place.path("timeline", ".json"))
+        with written_beside(place.path("timeline", ".csv")) as part:
             part.write_text(told.to_csv(), encoding="utf-8")
         if json:
             print_json(told.to_dict())

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from roundelay.base.files import name_of
 from roundelay.commands.common import (
     Capture,
+    Output,
     Skeleton,
     one_line_errors,
-    output_directory,
+    place_of,
     progress_bar,
     read_capture,
 )
-from roundelay.commands.options import takes
+from roundelay.commands.options import only, takes
+from roundelay.formats.options import ReadOptions
+from roundelay.loops.options import LoopOptions
 from roundelay.timeline.options import Options
 
 if TYPE_CHECKING:
@@ -23,21 +26,19 @@ if TYPE_CHECKING:
     from roundelay.motion.motion import Motion
     from roundelay.segmentation import Segmentation
 
-Page = Annotated[
-    Path | None,
-    typer.Option("-o", "--file", help="File to write; NAME.html by default.", show_default=False),
-]
 Open = Annotated[bool, typer.Option("--open", help="Show it in the browser.")]
 
 
-@takes(search=Options)
+@takes(search=Options, written=only(LoopOptions, "fps", "foot_lock", "repair"), reading=ReadOptions)
 def view(
     capture: Capture,
-    output: Page = None,
+    output: Output = ".",
     skeleton: Skeleton = None,
     open_page: Open = False,
     *,
     search: Options,
+    written: LoopOptions,
+    reading: ReadOptions,
 ) -> None:
     """Write one HTML page: the capture moving, its periodic parts, the evidence, the loops.
 
@@ -49,11 +50,12 @@ def view(
     from roundelay.base.files import written_beside
 
     with one_line_errors(capture):
+        name = name_of(capture)
+        place = place_of(output, name, (".html",))
         with progress_bar(quiet=False) as progress:
-            motion = read_capture(capture, skeleton)
-            text, note = _page(motion, search, progress)
-        path = Path(f"{capture.stem}.html") if output is None else output
-        output_directory(path.parent)
+            motion = read_capture(capture, skeleton, reading)
+            text, note = _page(motion, search, written, progress)
+        path = place.file or place.folder / f"{name}.html"
         with written_beside(path) as part:
             part.write_text(text, encoding="utf-8")
         typer.echo(f"{path}: {note}; {len(text) / 1e3:.0f} kB")
@@ -61,22 +63,22 @@ def view(
             typer.launch(path.resolve().as_uri())
 
 
-def _page(motion: Motion, options: Options, progress: Progress | None) -> tuple[str, str]:
+def _page(
+    motion: Motion, search: Options, written: LoopOptions, progress: Progress | None
+) -> tuple[str, str]:
     """Return the page and what it shows in a few words."""
     from roundelay.base.errors import NoPeriod
-    from roundelay.cycles.edit.separate import repaired, source_parts
     from roundelay.output.page import build_page
-    from roundelay.pipeline import find_cycles
+    from roundelay.pipeline import make_loops
 
     segmentation = _segmentation(motion)
     try:
-        cycles = find_cycles(motion, options, progress=progress)
+        loops = make_loops(motion, search, written, progress)
     except NoPeriod as refusal:
         text = build_page(motion, refusal=refusal, segmentation=segmentation)
         return text, "no periodic motion found, the page says why"
-    cycles = [repaired(cycle, source_parts(cycle, motion))[0] for cycle in cycles]
-    count = "1 periodic motion" if len(cycles) == 1 else f"{len(cycles)} periodic motions"
-    return build_page(motion, cycles, segmentation=segmentation), count
+    count = "1 periodic motion" if len(loops) == 1 else f"{len(loops)} periodic motions"
+    return build_page(motion, loops, segmentation=segmentation), count
 
 
 def _segmentation(motion: Motion) -> Segmentation | None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -9,13 +12,15 @@ from pathlib import Path
 import numpy as np
 
 from roundelay.base.checks import expected
-from roundelay.base.errors import TooShort
+from roundelay.base.errors import RateAssumed, TooShort
+from roundelay.base.files import STANDARD_INPUT, name_of, unpacked
 from roundelay.formats.registry import (
     Reader,
     SkeletonReader,
     Writer,
     checked_format,
     files_of,
+    files_written,
     in_words,
     reader_of,
     readers,
@@ -26,7 +31,7 @@ from roundelay.formats.registry import (
 )
 from roundelay.geometry.kinematics import vertical_axis
 from roundelay.geometry.skeleton import Skeleton
-from roundelay.motion.motion import Motion
+from roundelay.motion.motion import Motion, checked_rate
 
 __all__ = [
     "Reader",
@@ -34,6 +39,7 @@ __all__ = [
     "Writer",
     "checked_format",
     "files_of",
+    "files_written",
     "in_words",
     "read",
     "readers",
@@ -46,16 +52,25 @@ __all__ = [
 
 
 def read(
-    path: str | PathLike[str], *, skeleton: str | PathLike[str] | Skeleton | None = None
+    path: str | PathLike[str],
+    *,
+    skeleton: str | PathLike[str] | Skeleton | None = None,
+    fps: float | None = None,
+    suffix: str | None = None,
 ) -> Motion:
     """Read a motion capture file, in the format its suffix names.
 
     Parameters
     ----------
     path : path-like
-        A ``.bvh``, ``.amc``, ``.glb`` or ``.gltf`` file, or one of a format that a plug-in reads.
+        A ``.bvh``, ``.amc``, ``.glb`` or ``.gltf`` file, or one of a format that a plug-in reads;
+        ours may be packed, as ``.bvh.gz``, or come from standard input, ``-``.
     skeleton : path-like or Skeleton, optional
         For an AMC, its ASF or a skeleton read from one; looked for beside it by default.
+    fps : float, optional
+        Frames a second, where the file tells none or a wrong number.
+    suffix : str, optional
+        The format, such as "bvh", where the name does not tell it.
 
     Returns
     -------
@@ -67,18 +82,37 @@ def read(
     FormatError
         If the file is of no known format, or not what its format says, with line and column.
     ValueError
-        If a skeleton is given for a file that holds its own.
+        If a skeleton is given for a file that holds its own, or the rate is not positive, or
+        beyond 10,000.
     OSError
         If the file cannot be read.
     """
     path = Path(path)
-    reader = reader_of(path)
+    reader = reader_of(path, suffix)
+    with _rate_known(fps is not None):
+        motion = _upright(_read(reader, path, skeleton))
+    if path == STANDARD_INPUT or unpacked(path) != path:
+        motion = replace(motion, name=name_of(path))
+    return motion if fps is None else replace(motion, frame_time=1.0 / checked_rate(fps))
+
+
+@contextmanager
+def _rate_known(known: bool) -> Iterator[None]:
+    """Let no reader tell which frame rate it assumes where another is given."""
+    if not known:
+        yield
+        return
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RateAssumed)
+        yield
+
+
+def _read(reader: Reader, path: Path, skeleton: str | PathLike[str] | Skeleton | None) -> Motion:
     if skeleton is None:
-        return _upright(reader.read(path))
+        return reader.read(path)
     if not isinstance(reader, SkeletonReader):
         raise ValueError(f"expected no skeleton: a {path.suffix} file holds its own")
-    given = skeleton if isinstance(skeleton, Skeleton) else Path(skeleton)
-    return _upright(reader.read(path, given))
+    return reader.read(path, skeleton if isinstance(skeleton, Skeleton) else Path(skeleton))
 
 
 def _upright(motion: Motion) -> Motion:

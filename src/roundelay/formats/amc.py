@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import compress, cycle
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.errors import RateAssumed
 from roundelay.formats import decimals, text
 from roundelay.formats.acclaim import AcclaimLayout
 from roundelay.formats.asf import find_skeleton, read_skeleton
@@ -88,17 +90,28 @@ class _Heading:
 
     @classmethod
     def read(cls, source: text.Source, layout: AcclaimLayout) -> _Heading:
-        degree, frame_time = layout.degree, FRAME_TIME
+        degree, frame_time, told = layout.degree, FRAME_TIME, False
         cursor = text.Cursor(source)
         for line in text.lines(source):
             word = line[0].text.upper()
             if not word.startswith(":"):
+                if not told:
+                    _tell_assumed(source)
                 return cls(line[0].at, degree, frame_time)
             if word in (":DEGREES", ":RADIANS"):
                 degree = np.pi / 180.0 if word == ":DEGREES" else 1.0
             if word == ":SAMPLES-PER-SECOND":
-                frame_time = 1.0 / _rate(cursor, line)
+                frame_time, told = 1.0 / _rate(cursor, line), True
         raise source.error("expected frames, found the end of the file", source.end)
+
+
+def _tell_assumed(source: text.Source) -> None:
+    warnings.warn(
+        f"{source.path}: tells no frame rate, {1.0 / FRAME_TIME:g} a second assumed; give another "
+        "by --capture-fps (in Python by fps)",
+        RateAssumed,
+        stacklevel=5,
+    )
 
 
 def _rate(cursor: text.Cursor, line: Sequence[Token]) -> float:

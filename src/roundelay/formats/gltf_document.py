@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.errors import FormatError
+from roundelay.base.files import content
 
 __all__ = ["Document", "Part", "load"]
 
@@ -327,7 +328,7 @@ def load(path: Path) -> Document:
     OSError
         If it cannot be read.
     """
-    raw = path.read_bytes()
+    raw = content(path)
     text, binary = _chunks(path, raw) if raw[:4] == _MAGIC else (raw, None)
     root = Part(path, "", _parsed(path, text))
     version = root.get("asset").get("version")

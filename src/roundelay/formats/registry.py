@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
 
 from roundelay.base.errors import FormatError
+from roundelay.base.files import unpacked
 from roundelay.base.registry import Registry
 from roundelay.formats.acclaim_writer import AmcWriter
 from roundelay.formats.amc import AmcReader
@@ -30,6 +31,7 @@ __all__ = [
     "Writer",
     "checked_format",
     "files_of",
+    "files_written",
     "in_words",
     "reader_of",
     "readers",
@@ -150,18 +152,26 @@ def in_words(registry: Iterable[Suffixed]) -> str:
     return f"{', '.join(others)} or {last}" if others else last
 
 
-def reader_of(path: Path) -> Reader:
-    """Return the reader of a file.
+def reader_of(path: Path, suffix: str | None = None) -> Reader:
+    """Return the reader of a file, packed or not.
+
+    Parameters
+    ----------
+    path : Path
+    suffix : str, optional
+        The format, without a dot, where the name does not tell it.
 
     Raises
     ------
     FormatError
         If no reader knows the suffix; the message lists those that are known.
     """
+    named = unpacked(path) if suffix is None else Path(f"{path.name}.{suffix}")
     try:
-        return _known(path, readers)
+        return _known(named, readers)
     except ValueError as error:
-        raise FormatError(str(error), path=path) from None
+        hint = "" if named.suffix else "; name its format by --as (in Python by suffix)"
+        raise FormatError(f"{error}{hint}", path=path) from None
 
 
 def writer_of(path: Path) -> Writer:
@@ -215,6 +225,12 @@ def wraps_at_last_key(name: str) -> bool:
         If no writer knows it.
     """
     return getattr(_known(Path(f"loop.{name}"), writers), "wraps_at_last_key", False)
+
+
+def files_written(path: Path) -> tuple[Path, ...]:
+    """List the files that writing one left: itself, and that of its skeleton if it has one."""
+    skeleton = path.with_suffix(".asf")
+    return (path, skeleton) if path.suffix.lower() == ".amc" else (path,)
 
 
 def files_of(path: Path) -> list[Path]:

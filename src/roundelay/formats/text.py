@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.errors import FormatError
-from roundelay.base.files import written_beside
+from roundelay.base.files import content, written_beside
 from roundelay.formats import decimals
 
 __all__ = [
@@ -92,7 +92,7 @@ def load(path: Path) -> Source:
     OSError
         If it cannot be read.
     """
-    data = path.read_bytes()
+    data = content(path)
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise FormatError("expected UTF-8 text, found UTF-16", path=path, line=1, column=1)
     source = Source(path, data.removeprefix(b"\xef\xbb\xbf"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -14,15 +13,13 @@ import numpy as np
 from roundelay.base.errors import FormatError, NoPeriod, RoundelayError, RoundelayWarning, TooShort
 from roundelay.base.version import __version__
 from roundelay.compare.spectra import Spectra
-from roundelay.cycles.cycle import Cycle
-from roundelay.cycles.edit.separate import repaired, source_parts
-from roundelay.formats import files_of, read, write
+from roundelay.formats import files_of, read
 from roundelay.library.store import Entry
 from roundelay.loops.options import LoopOptions
-from roundelay.loops.quality import quality
+from roundelay.loops.recipe import Loop
 from roundelay.motion.motion import Motion
-from roundelay.output.records import cycle_record
-from roundelay.pipeline import find_cycles
+from roundelay.output.records import loop_record
+from roundelay.pipeline import make_loops
 from roundelay.segmentation import segment
 
 __all__ = ["LOOPS", "Clip", "lost_clip", "made_entry"]
@@ -30,7 +27,7 @@ __all__ = ["LOOPS", "Clip", "lost_clip", "made_entry"]
 # The folder of a library that holds the loops.
 LOOPS = "loops"
 # What only the record of `roundelay loop` tells of a cycle: too long for thousands.
-_LEFT_OUT = ("barcode", "turns", "files")
+_LEFT_OUT = ("barcode", "turns", "files", "playback")
 
 
 @dataclass(frozen=True)
@@ -110,9 +107,9 @@ def made_entry(clip: Clip) -> Entry:
 
 def _analysed(clip: Clip, motion: Motion) -> tuple[dict[str, Any], Spectra | None]:
     try:
-        cycles, reason = find_cycles(motion), None
+        loops, reason = make_loops(motion, render=clip.options), None
     except (NoPeriod, TooShort) as refusal:
-        cycles, reason = [], str(refusal)
+        loops, reason = [], str(refusal)
     record = {
         "file": clip.name,
         "frames": len(motion),
@@ -120,11 +117,11 @@ def _analysed(clip: Clip, motion: Motion) -> tuple[dict[str, Any], Spectra | Non
         "seconds": round(motion.duration, 6),
         "joints": motion.skeleton.n_joints,
         "segments": _segments(motion),
-        "cycles": _written(clip, motion, cycles),
+        "cycles": [_written(clip, *numbered) for numbered in enumerate(loops, 1)],
         "reason": reason,
         "error": None,
     }
-    return record, Spectra.of(cycles) if cycles else None
+    return record, Spectra.of([loop.cycle for loop in loops]) if loops else None
 
 
 def lost_clip(clip: Clip) -> Entry:
@@ -154,30 +151,17 @@ def _segments(motion: Motion) -> list[dict[str, Any]]:
     return [{key: row[key] for key in kept} for row in found.bouts()]
 
 
-def _written(clip: Clip, motion: Motion, cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
-    """Write the loops and describe the cycles."""
-    options, records = clip.options, []
-    for number, found in enumerate(cycles, 1):
-        parts = source_parts(found, motion)
-        cycle, mended = repaired(found, parts) if options.repair else (found, ())
-        loop = cycle.sample(**options.sampling)
-        ending = "" if number == 1 else str(number)
-        path = clip.loops / f"{clip.path.stem}_loop{ending}.{options.file_format}"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write(loop, path)
-        file = {
-            "loop": path.relative_to(clip.folder).as_posix(),
-            "loop_frames": len(loop),
-            "mended": [list(one.bones) for one in mended],
-        }
-        records.append(_described(cycle, motion) | file)
-    return records
-
-
-def _described(cycle: Cycle, motion: Motion) -> dict[str, Any]:
-    """Describe a cycle as `roundelay loop` does, more briefly, with its mean speed."""
-    full = cycle_record(cycle, quality(cycle, motion))
-    speed = float(np.linalg.norm(cycle.velocity.constant)) / cycle.period
-    kept = {key: value for key, value in full.items() if key not in _LEFT_OUT}
-    sizes = speed / motion.skeleton.size
-    return kept | {"speed": speed, "speed_in_sizes": sizes}
+def _written(clip: Clip, number: int, loop: Loop) -> dict[str, Any]:
+    """Write a loop; describe it as `roundelay loop` does, more briefly, with its mean speed."""
+    ending = "" if number == 1 else str(number)
+    path = clip.loops / f"{clip.path.stem}_loop{ending}.{clip.options.file_format}"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    loop.write(path)
+    kept = {key: value for key, value in loop_record(loop).items() if key not in _LEFT_OUT}
+    speed = float(np.linalg.norm(loop.cycle.velocity.constant)) / loop.cycle.period
+    return kept | {
+        "speed": speed,
+        "speed_in_sizes": speed / loop.cycle.skeleton.size,
+        "loop": path.relative_to(clip.folder).as_posix(),
+        "mended": [list(one.bones) for one in loop.parted],
+    }

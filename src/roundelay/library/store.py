@@ -40,6 +40,7 @@ _COLUMNS = (
     "turning_degrees",
     "loop",
 )
+_FIGURES = ("template_error", "seam_rotation")
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,11 +189,11 @@ def write_table(clips: Sequence[dict[str, Any]], path: Path) -> None:
         part.open("w", encoding="utf-8", errors="surrogateescape", newline="") as file,
     ):
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["file", "frames", *_COLUMNS, "template_error", "seam_rotation"])
+        writer.writerow(["file", "frames", *_COLUMNS, *_FIGURES, "verdict"])
         for clip in clips:
             for cycle in clip["cycles"]:
                 frames = " ".join(f"{start}-{stop}" for start, stop in cycle["parts"])
                 values = [cycle[column] for column in _COLUMNS]
-                figures = [cycle["quality"][name] for name in ("template_error", "seam_rotation")]
-                row = [clip["file"], frames, *values, *figures]
+                figures = [cycle["quality"][name] for name in _FIGURES]
+                row = [clip["file"], frames, *values, *figures, cycle["verdict"]["word"]]
                 writer.writerow(f"{v:.6g}" if isinstance(v, float) else v for v in row)

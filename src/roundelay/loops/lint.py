@@ -16,7 +16,7 @@ from roundelay.loops.thresholds import GAIT, LINT
 from roundelay.loops.unrolled import Gait, Seen, Steps, climb_of, gait_of, seen, steps_of
 from roundelay.motion.motion import Motion
 
-__all__ = ["Fault", "Period", "left_phase", "lint", "period_of", "phase_of_set"]
+__all__ = ["Fault", "Period", "left_phase", "lint", "odd_rate", "period_of", "phase_of_set"]
 
 Array = NDArray[np.float64]
 
@@ -127,6 +127,21 @@ def left_phase(motion: Motion, wraps: bool) -> float | None:
     count = period_of(loop, wraps).count
     gait = gait_of(loop, count, steps_of(loop, count).below)
     return None if gait is None else gait.phase
+
+
+@one_thread
+def odd_rate(motion: Motion, wraps: bool) -> Fault | None:
+    """Find out whether a gait takes too short or too long for a person, as `lint` does.
+
+    None if it does not, or the motion is no gait, or too short to tell. Arguments as of `lint`.
+    """
+    if len(motion) < LINT.shortest:
+        return None
+    loop = seen(motion)
+    period = period_of(loop, wraps)
+    steps = steps_of(loop, period.count)
+    gait = gait_of(loop, period.count, steps.below)
+    return next(_rate(loop, period, steps, gait), None)
 
 
 def phase_of_set(phases: Sequence[float]) -> float | None:

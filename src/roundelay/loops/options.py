@@ -27,6 +27,10 @@ class LoopOptions(Checked):
         Leave out the root's travel and turning.
     repeat_first : bool
         Append the frame that repeats the first; see `first_repeated`.
+    mirror : bool
+        Exchange left and right.
+    resize : float
+        Factor of every length.
     foot_lock : bool
         Hold standing feet still; see `roundelay.cycles.edit.footlock`.
     repair : bool
@@ -56,6 +60,8 @@ class LoopOptions(Checked):
     repeat_first: bool = option(
         False, "Let the last frame repeat the first; in a glTF or FBX file it always does."
     )
+    mirror: bool = option(False, "Exchange left and right.")
+    resize: float = option(1.0, "Multiply every length by this.", above=0)
     foot_lock: bool = option(True, "Keep standing feet where they stand.", label="Hold Feet")
     repair: bool = option(
         True,

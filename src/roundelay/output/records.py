@@ -16,6 +16,7 @@ from roundelay.base.files import written_beside
 from roundelay.base.version import __version__
 from roundelay.cycles.cycle import Cycle
 from roundelay.loops.quality import Quality
+from roundelay.loops.recipe import Loop
 from roundelay.loops.units import Lengths
 from roundelay.loops.verdict import Verdict
 from roundelay.motion.motion import Motion
@@ -27,6 +28,7 @@ __all__ = [
     "capture_record",
     "cycle_record",
     "evidence_record",
+    "loop_record",
     "refusal_record",
     "verdict_record",
     "write_json",
@@ -63,6 +65,15 @@ def cycle_record(cycle: Cycle, figures: Quality, files: Sequence[Path] = ()) -> 
         "files": [path.name for path in files],
     }
     return record | ({} if cycle.evidence is None else evidence_record(cycle.evidence))
+
+
+def loop_record(loop: Loop, files: Sequence[Path] = ()) -> dict[str, Any]:
+    """Describe a loop: its verdict, its cycle, its frames and what players need."""
+    return (
+        {"verdict": verdict_record(loop.verdict, loop.cycle)}
+        | cycle_record(loop.cycle, loop.quality, files)
+        | {"loop_frames": len(loop.motion), "playback": loop.playback}
+    )
 
 
 def verdict_record(verdict: Verdict, cycle: Cycle) -> dict[str, Any]:

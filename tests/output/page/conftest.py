@@ -49,15 +49,15 @@ def chromium() -> Iterator[object]:
 
 
 @pytest.fixture(scope="session")
-def page_file(tmp_path_factory, jumps, jump_cycles) -> Path:
-    return _saved(tmp_path_factory, build_page(jumps, jump_cycles))
+def page_file(tmp_path_factory, jumps, jump_loops) -> Path:
+    return _saved(tmp_path_factory, build_page(jumps, jump_loops))
 
 
 @pytest.fixture(scope="session")
 def several_file(tmp_path_factory) -> Path:
     parts = [synth.gait("walk", repetitions=4), synth.gait("punch", repetitions=5)]
     motion = synth.sequence(*parts).motion
-    return _saved(tmp_path_factory, build_page(motion, rl.find_cycles(motion)))
+    return _saved(tmp_path_factory, build_page(motion, rl.make_loops(motion)))
 
 
 @pytest.fixture(scope="session")

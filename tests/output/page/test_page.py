@@ -24,15 +24,15 @@ def payload(page: str) -> str:
 def test_a_capture_of_3000_frames_is_less_than_a_megabyte():
     made = synth.gait("walk", repetitions=91.0, fps=30.0)
     assert len(made.motion) >= 3000
-    assert len(build_page(made.motion, rl.find_cycles(made.motion))) < 1_000_000
+    assert len(build_page(made.motion, rl.make_loops(made.motion))) < 1_000_000
 
 
-def test_the_bundled_captures_are_small(jumps, jump_cycles):
-    assert len(build_page(jumps, jump_cycles)) < 500_000
+def test_the_bundled_captures_are_small(jumps, jump_loops):
+    assert len(build_page(jumps, jump_loops)) < 500_000
 
 
-def test_positions_come_back_to_a_thousandth_of_the_body(jumps, jump_cycles):
-    found, data = unpacked(payload(build_page(jumps, jump_cycles)))
+def test_positions_come_back_to_a_thousandth_of_the_body(jumps, jump_loops):
+    found, data = unpacked(payload(build_page(jumps, jump_loops)))
     capture = found["capture"]
     space = Space.of(jumps)
     assert (capture["frames"], capture["step"], capture["joints"]) == (2752, 4, 31)
@@ -86,8 +86,8 @@ def test_names_are_text_not_markup():
     assert "<title>&lt;b&gt;&amp;&lt;/b&gt; · roundelay</title>" in page
 
 
-def test_the_page_names_no_address(jumps, jump_cycles):
-    page = build_page(jumps, jump_cycles).replace("http://www.w3.org/2000/svg", "")
+def test_the_page_names_no_address(jumps, jump_loops):
+    page = build_page(jumps, jump_loops).replace("http://www.w3.org/2000/svg", "")
     assert not re.search(r"https?://|\bsrc=|@import|url\(", page)
     assert "default-src 'none'" in page
 
@@ -101,11 +101,11 @@ def test_every_module_is_bundled_once():
     assert not re.search(r"^(import|export) ", script, re.MULTILINE)
 
 
-def test_a_cycle_without_evidence_is_refused(jumps, jump_cycles):
-    from dataclasses import replace
-
-    with pytest.raises(ValueError, match="evidence"):
-        build_page(jumps, [replace(jump_cycles[0], evidence=None)])
+def test_the_page_tells_the_verdict(jumps, jump_loops):
+    found, _ = unpacked(payload(build_page(jumps, jump_loops)))
+    assert [motion["verdict"] for motion in found["motions"]] == [
+        str(x.verdict) for x in jump_loops
+    ]
 
 
 def test_a_capture_that_is_too_poor_for_evidence():
@@ -116,16 +116,16 @@ def test_a_capture_that_is_too_poor_for_evidence():
     assert "nothing comes back" in found["reason"]
 
 
-def test_behaviours_are_on_the_timeline(jumps, jump_cycles):
+def test_behaviours_are_on_the_timeline(jumps, jump_loops):
     from roundelay.segmentation import segment
 
     cut = segment(jumps)
-    found, _ = unpacked(payload(build_page(jumps, jump_cycles, segmentation=cut)))
+    found, _ = unpacked(payload(build_page(jumps, jump_loops, segmentation=cut)))
     assert found["segments"] == [[part.start, part.stop, part.label] for part in cut.segments]
 
 
-def test_feet_stand_now_and_then(jumps, jump_cycles):
-    found, _ = unpacked(payload(build_page(jumps, jump_cycles)))
+def test_feet_stand_now_and_then(jumps, jump_loops):
+    found, _ = unpacked(payload(build_page(jumps, jump_loops)))
     names = jumps.skeleton.names
     for feet, whole in ((found["capture"]["feet"], 2752), (found["motions"][0]["loop"]["feet"], 1)):
         assert {names[foot["joint"]][:4] for foot in feet} == {"Left", "Righ"}

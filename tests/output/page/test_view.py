@@ -49,6 +49,6 @@ def test_bad_input_leaves_nothing(tmp_path):
     assert not (tmp_path / "page.html").exists()
 
 
-def test_a_folder_is_no_page(walk, tmp_path):
-    result = run(app, ["view", str(walk), "-o", str(tmp_path)])
-    assert result.exit_code == 2
+def test_a_page_goes_into_a_folder(walk, tmp_path):
+    assert run(app, ["view", str(walk), "-o", str(tmp_path)]).exit_code == 0
+    assert (tmp_path / "walk.html").exists()

@@ -28,7 +28,9 @@ class AlignOptions(Checked):
     by: Criterion = option(
         "poses", "What agrees at equal phases: poses, or contacts of the feet.", flag="align"
     )
-    mirror: bool = option(False, "Exchange left and right where that fits better.")
+    mirror: bool = option(
+        False, "Exchange left and right where that fits better.", flag="align-mirror"
+    )
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 ::
 
-    build_page(motion, cycles)      one string, no outside request
+    build_page(motion, loops)       one string, no outside request
         capture.py                  joint positions, sampled and placed on the floor
         findings.py                 bars, coordinates, plane, loop, quality of each motion
         packing.py                  numbers to 16 bits, all of it deflated

@@ -8,13 +8,13 @@ from typing import Any
 from roundelay.base.errors import NoPeriod
 from roundelay.base.threads import one_thread
 from roundelay.base.version import __version__
-from roundelay.cycles.cycle import Cycle
+from roundelay.loops.recipe import Loop
 from roundelay.motion.motion import Motion
 from roundelay.output.figures.palette import phase_colours
 from roundelay.output.figures.space import Space
 from roundelay.output.page.bundle import bundle
 from roundelay.output.page.capture import capture_data
-from roundelay.output.page.findings import cycle_data, refusal_data
+from roundelay.output.page.findings import loop_data, refusal_data
 from roundelay.output.page.packing import Packer
 from roundelay.segmentation.result import Segmentation
 
@@ -24,7 +24,7 @@ __all__ = ["build_page"]
 @one_thread
 def build_page(
     motion: Motion,
-    cycles: Sequence[Cycle] = (),
+    loops: Sequence[Loop] = (),
     *,
     refusal: NoPeriod | None = None,
     segmentation: Segmentation | None = None,
@@ -35,8 +35,8 @@ def build_page(
     ----------
     motion : Motion
         The capture.
-    cycles : sequence of Cycle
-        What `roundelay.find_cycles` found in it.
+    loops : sequence of Loop
+        What `roundelay.make_loops` made of it.
     refusal : NoPeriod, optional
         Why it found none; the page then shows the capture, the reason and the evidence.
     segmentation : Segmentation, optional
@@ -46,11 +46,6 @@ def build_page(
     -------
     str
         HTML that makes no outside request.
-
-    Raises
-    ------
-    ValueError
-        If a cycle carries no evidence of where it was found.
     """
     packer, space = Packer(), Space.of(motion)
     document: dict[str, Any] = {
@@ -65,8 +60,8 @@ def build_page(
         document["motions"] = refusal_data(motion, refusal, packer)
     else:
         document["motions"] = [
-            cycle_data(motion, cycle, space, packer, file=_file_name(motion.name, number))
-            for number, cycle in enumerate(cycles, 1)
+            loop_data(motion, loop, space, packer, file=_file_name(motion.name, number))
+            for number, loop in enumerate(loops, 1)
         ]
     return bundle(document["name"], packer.text(document))
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.errors import NoPeriod
 from roundelay.cycles.cycle import Cycle
-from roundelay.loops.quality import quality
+from roundelay.loops.recipe import Loop
 from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
 from roundelay.output.figures.space import Space
@@ -23,7 +23,7 @@ from roundelay.phase.tempo import time_phase
 from roundelay.timeline.evidence import Evidence, class_coordinate, turns_of
 from roundelay.topology.rips import Barcode
 
-__all__ = ["cycle_data", "refusal_data"]
+__all__ = ["loop_data", "refusal_data"]
 
 Array = NDArray[np.float64]
 
@@ -32,8 +32,8 @@ _BARS, _CLASSES = 16, 5
 _LOOP_FPS, _LOOP_FRAMES = 40.0, 240
 
 
-def cycle_data(
-    motion: Motion, cycle: Cycle, space: Space, packer: Packer, *, file: str
+def loop_data(
+    motion: Motion, loop: Loop, space: Space, packer: Packer, *, file: str
 ) -> dict[str, Any]:
     """Describe one periodic motion and its loop.
 
@@ -41,23 +41,18 @@ def cycle_data(
     ----------
     motion : Motion
         The capture.
-    cycle : Cycle
-        Found in it.
+    loop : Loop
+        Made of it.
     space : Space
     packer : Packer
     file : str
         Name for the loop when it is saved.
-
-    Raises
-    ------
-    ValueError
-        If the cycle carries no evidence of where it was found.
     """
-    evidence = cycle.evidence
-    if evidence is None:
-        raise ValueError("expected a cycle found in a capture, with its evidence")
+    cycle = loop.cycle
+    evidence = cast("Evidence", cycle.evidence)  # a loop is made of what was found
     record = _evidence(motion, evidence, packer, cycle)
     return record | {
+        "verdict": str(loop.verdict),
         "period": cycle.period,
         "repetitions": evidence.repetitions,
         "confidence": evidence.confidence,
@@ -65,9 +60,9 @@ def cycle_data(
         "travel": float(np.linalg.norm(cycle.travel)) / space.size,
         "turning": float(np.degrees(cycle.turning)),
         "loop": _loop(motion, cycle, evidence, space, packer),
-        "quality": quality_rows(quality(cycle, motion)),
+        "quality": quality_rows(loop.quality),
         "file": file,
-        "bvh": _bvh(cycle, packer),
+        "bvh": _bvh(loop, packer),
     }
 
 
@@ -173,18 +168,16 @@ def _phase(motion: Motion, evidence: Evidence) -> Array:
     return time_phase(points, turns, evidence.runs, frame_time=motion.frame_time)
 
 
-def _bvh(cycle: Cycle, packer: Packer) -> dict[str, Any]:
+def _bvh(loop: Loop, packer: Packer) -> dict[str, Any]:
     """Return the loop as the head of a BVH file and its rows of numbers."""
-    from roundelay.formats import write
-
     with TemporaryDirectory() as folder:
         path = Path(folder) / "loop.bvh"
-        write(cycle.sample(), path)
+        loop.write(path)
         lines = path.read_text(encoding="utf-8").splitlines()
     first = next(i for i, line in enumerate(lines) if line.startswith("Frame Time")) + 1
     values = np.array([line.split() for line in lines[first:]], float)
     # A thousandth of a degree, and of a hundredth of a body.
-    decimals = max(3, 5 - int(np.floor(np.log10(cycle.skeleton.size))))
+    decimals = max(3, 5 - int(np.floor(np.log10(loop.cycle.skeleton.size))))
     return {
         "head": "\n".join(lines[:first]),
         "decimals": decimals,

@@ -34,6 +34,7 @@ function facts(motion) {
   const listed = motion.parts.map(([start, stop]) => `${start}–${stop}`).join(", ");
   if (!motion.loop) return [["Candidate", `frames ${listed}`], lead];
   const rows = [
+    ["Verdict", motion.verdict],
     ["Period", `${motion.period.toFixed(2)} s`],
     ["Seen", `${motion.repetitions.toFixed(2)} times`],
     ["Certainty", certainty(motion)],

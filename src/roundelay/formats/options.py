@@ -1,0 +1,40 @@
+"""What a user may say of a capture that its file does not tell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from roundelay.base.options import Checked, option
+from roundelay.motion.motion import FASTEST
+
+__all__ = ["ReadOptions"]
+
+
+@dataclass(frozen=True)
+class ReadOptions(Checked):
+    """What is said of a capture.
+
+    Parameters
+    ----------
+    capture_fps : float, optional
+        Its frames a second; what its file says by default.
+    suffix : str, optional
+        Its format, by a suffix without the dot; that of its name by default.
+    """
+
+    title: ClassVar[str] = "What is said of a capture"
+
+    capture_fps: float | None = option(
+        None,
+        "Frame rate of the capture, where its file tells none or a wrong one.",
+        unit="frames a second",
+        above=0,
+        most=FASTEST,
+    )
+    suffix: str | None = option(
+        None,
+        "Format of the capture, where its name does not tell: {readers}.",
+        flag="as",
+        form="FORMAT",
+    )

@@ -76,12 +76,18 @@ def shown(played: Played, whole: rl.Motion, *, joined: tuple[float, float] | Non
     return Shown(
         join=_join(still, times, where, period),
         step=largest_step(back[keys], whole.skeleton, whole.fps),
-        height=float(np.ptp(seen[0], axis=0)[np.argmax(np.abs(turn[:, whole.up]))]),
+        height=_height(seen[0], whole, turn),
         travel=float(np.linalg.norm(gone.mean(axis=0))) / size,
         apart=float(np.linalg.norm(back[keys] - wanted[:-1], axis=-1).max()) / size,
         seconds=abs(played.duration - period),
         looped=played.looped,
     )
+
+
+def _height(points: Array, whole: rl.Motion, turn: Array) -> float:
+    """Return how high the body (J, 3) reaches in the player's world, turned as it is there."""
+    up = int(np.argmax(np.abs(turn[:, whole.up])))
+    return float(np.ptp(np.delete(points[:, up], whole.skeleton.trunk[:-1])))
 
 
 def largest_step(points: Array, skeleton: rl.Skeleton, fps: float) -> float:

@@ -78,11 +78,11 @@ class Played:
 
 
 class Player(Protocol):
-    """A program that plays files of a format, where ``up`` is the axis that points up in it."""
+    """A program that plays files of a format in metres, as loops are written for a target."""
 
     name: str
     suffix: str
-    metres: float
+    target: str
 
     def lacks(self) -> str:
         """Say what is not installed; empty if all is."""
@@ -96,7 +96,7 @@ class Player(Protocol):
 class Three:
     """three.js in headless Chromium: `AnimationMixer` over two rounds."""
 
-    name, suffix, metres = "three.js", "glb", 1.0
+    name, suffix, target = "three.js", "glb", "web"
 
     def lacks(self) -> str:
         if find_spec("playwright") is None:
@@ -157,7 +157,7 @@ class Blender:
     """One of Blender's importers; the poses at every half frame, one round after the other."""
 
     suffix: str
-    metres: float = 1.0
+    target: str
     steps: int = 2
 
     @property
@@ -212,7 +212,7 @@ def _bpy() -> Path | None:
 class Godot:
     """Godot 3.2: its importer at the file's rate, not optimised, and `AnimationPlayer`."""
 
-    name, suffix, metres = "Godot", "glb", 1.0
+    name, suffix, target = "Godot", "glb", "godot"
 
     def lacks(self) -> str:
         return "" if shutil.which("godot3-server") else "needs Godot: apt-get install godot3-server"
@@ -252,4 +252,10 @@ def _run(words: list[str], folder: Path) -> None:
         subprocess.run(words, stdout=log, stderr=log, check=False, timeout=1800)
 
 
-PLAYERS: tuple[Player, ...] = (Three(), Blender("glb"), Blender("fbx"), Blender("bvh"), Godot())
+PLAYERS: tuple[Player, ...] = (
+    Three(),
+    Blender("glb", "blender"),
+    Blender("fbx", "unreal"),
+    Blender("bvh", "blender"),
+    Godot(),
+)

@@ -46,6 +46,7 @@ from benchmarks._played import Shown, largest_step, record, shown
 from benchmarks._players import PLAYERS, Job, Played, Player
 from roundelay.cycles.edit.separate import repaired, source_parts
 from roundelay.library.workers import spread
+from roundelay.loops.exported import exported
 from roundelay.loops.units import Lengths
 
 RATES = (24.0, 30.0, 60.0, 120.0)
@@ -104,6 +105,7 @@ class Row:
     fps: float
     shown: Shown | None = None
     written: float = 0.0
+    usual: float = 0.0
     person: float | None = None
     error: str = ""
 
@@ -225,7 +227,7 @@ def _shelved(files: Sequence[Path], loops: Sequence[Piece], folder: Path) -> Ite
     """Yield the loops of a library of a few captures, as files that are there."""
     if not files or not loops:
         return
-    library = rl.build_library(files, folder, jobs=1, options=rl.LoopOptions(file_format="glb"))
+    library = rl.build_library(files, folder, jobs=1, options=rl.LoopOptions(target="godot"))
     for clip, told in library.cycles:
         file = folder / told["loop"]
         (cycle, *_) = (piece.cycles[0] for piece in loops)
@@ -264,8 +266,10 @@ def _written(
     if piece.kind == "transition":
         whole = rl.transition(*piece.cycles, OVER, before=AROUND, after=AROUND, fps=fps)
     else:
-        whole = piece.cycles[0].sample(fps, repeat_first=True)
-    whole = replace(whole, name=f"{piece.name}-loop")
+        options = rl.LoopOptions(
+            target=player.target, fps=fps, repeat_first=True, file_format=player.suffix
+        )
+        whole = exported(piece.cycles[0], options)
     rl.write(whole[:-1] if player.suffix == "bvh" else whole, file)
     return file, whole
 
@@ -280,13 +284,26 @@ def _row(piece: Piece, player: Player, whole: rl.Motion, played: Played | str) -
     except ValueError as error:
         return replace(row, error=str(error))
     points = whole.positions()
-    metres = Lengths.of(whole.skeleton).metres
+    metres = None if piece.file or joined else piece.metres
     return replace(
         row,
-        shown=replace(found, height=found.height * player.metres),
+        shown=found,
         written=largest_step(points[:-1], whole.skeleton, whole.fps),
-        person=metres and float(np.ptp(points[0, :, whole.up])) * metres,
+        usual=piece.steps.get(row.fps, 0.0) * _scale(piece, whole),
+        person=metres and _height(piece.cycles[0], whole.fps) * metres,
     )
+
+
+def _scale(piece: Piece, whole: rl.Motion) -> float:
+    """Return lengths of what was written over those of the capture."""
+    return Lengths.of(whole.skeleton).size / Lengths.of(piece.cycles[0].skeleton).size
+
+
+def _height(cycle: rl.Cycle, fps: float) -> float:
+    """Return how high the first frame reaches above its lowest joint, in the capture's unit."""
+    motion = cycle.sample(fps)
+    above = list(motion.skeleton.trunk[:-1])
+    return float(np.ptp(np.delete(motion.positions()[0, :, motion.up], above)))
 
 
 def _made(pieces: Sequence[Piece]) -> dict[str, Any]:
@@ -313,7 +330,7 @@ def _figures(rows: Sequence[Row]) -> dict[str, Any]:
     good = [(row, row.shown) for row in rows if row.shown]
     loops = [(row, seen) for row, seen in good if row.piece.kind != "transition"]
     joins = [seen.join for _, seen in good if np.isfinite(seen.join)]
-    steps = [seen.step / row.piece.steps[row.fps] for row, seen in good if row.piece.steps]
+    steps = [seen.step / row.usual for row, seen in good if row.usual]
     kept = [seen.step / row.written for row, seen in good if row.written > 0]
     tall = [abs(seen.height / row.person - 1.0) <= HEIGHT for row, seen in good if row.person]
     flags = [seen.looped for _, seen in loops if seen.looped is not None]
@@ -347,8 +364,7 @@ def _plain(row: Row) -> dict[str, Any]:
     piece = row.piece
     head = {"piece": piece.name, "kind": piece.kind, "source": piece.source}
     told = record(row.shown) if row.shown else {"error": row.error}
-    usual = piece.steps.get(row.fps)
-    more = {"usual": usual, "written": row.written, "person": row.person} if row.shown else {}
+    more = {"usual": row.usual, "written": row.written, "person": row.person} if row.shown else {}
     return {**head, "player": row.player, "fps": row.fps, **told, **more}
 
 

@@ -44,6 +44,7 @@ def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: Loop
         from roundelay.cycles.edit.blend import blend as blend_cycles
         from roundelay.cycles.edit.separate import repaired
         from roundelay.formats import write, writer_of
+        from roundelay.loops.exported import exported
         from roundelay.loops.profiles import limb_record
 
         writer_of(file)  # refuses a suffix that none knows, before the work
@@ -52,7 +53,7 @@ def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: Loop
         cycles, sources = _best_cycles(captures, mixing.mirror)
         mixed = blend_cycles(cycles, shares, by=mixing.by, mirror=mixing.mirror)
         mixed, mended = repaired(mixed, sources) if written.repair else (mixed, ())
-        loop = mixed.sample(**written.sampling)
+        loop = exported(mixed, written)
         output_directory(file.parent)
         write(loop, file)
         typer.echo(f"{file}: {len(loop)} frames, period {mixed.period:.2f} s")

@@ -134,6 +134,7 @@ def _write(
 ) -> dict[str, Any]:
     """Write loops, picture and record; return the record."""
     from roundelay.formats import write
+    from roundelay.loops.exported import exported
     from roundelay.loops.quality import quality
     from roundelay.loops.verdict import verdict_of
     from roundelay.output.records import capture_record, cycle_record, verdict_record, write_json
@@ -142,10 +143,11 @@ def _write(
     record = capture_record(motion, capture, options) | {"sampling": asdict(written), "cycles": []}
     for number, (cycle, mended) in enumerate(loops, 1):
         path = folder / f"{base}{number if number > 1 else ''}.{written.file_format}"
-        sampled = cycle.sample(**written.sampling)
+        sampled = exported(cycle, written)
         write(sampled, path)
         figures = quality(cycle, motion)
-        verdict = verdict_of(cycle, motion, sampled, figures, in_place=written.in_place)
+        plain = cycle.sample(**written.sampling)
+        verdict = verdict_of(cycle, motion, plain, figures, in_place=bool(written.in_place))
         entry = {"verdict": verdict_record(verdict, cycle)} | cycle_record(cycle, figures, [path])
         playback = profile.record(cycle, written, mended)
         record["cycles"].append(entry | {"loop_frames": len(sampled), "playback": playback})

@@ -18,6 +18,7 @@ from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.separate import repaired, source_parts
 from roundelay.formats import files_of, read, write
 from roundelay.library.store import Entry
+from roundelay.loops.exported import exported
 from roundelay.loops.options import LoopOptions
 from roundelay.loops.quality import quality
 from roundelay.motion.motion import Motion
@@ -160,7 +161,7 @@ def _written(clip: Clip, motion: Motion, cycles: Sequence[Cycle]) -> list[dict[s
     for number, found in enumerate(cycles, 1):
         parts = source_parts(found, motion)
         cycle, mended = repaired(found, parts) if options.repair else (found, ())
-        loop = cycle.sample(**options.sampling)
+        loop = exported(cycle, options)
         ending = "" if number == 1 else str(number)
         path = clip.loops / f"{clip.path.stem}_loop{ending}.{options.file_format}"
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -80,7 +80,7 @@ def test_the_record_of_a_target_is_of_its_file(walk):
     way = loop.positions()[-1, 0] - loop.positions()[0, 0]
     assert np.allclose(told["root_motion"]["travel"], way, atol=1e-6)
     assert (told["target"], told["metres_a_unit"]) == ("unreal", pytest.approx(0.01))
-    assert told["root_bone"]
+    assert told["root_bone"] == loop.skeleton.names[0]
     assert told["first_repeated"]
 
 

@@ -20,7 +20,7 @@ from roundelay.motion.motion import Motion
 if TYPE_CHECKING:
     from roundelay.loops.options import LoopOptions
 
-__all__ = ["Placement", "exported", "placement"]
+__all__ = ["Placement", "exported", "placement", "root_bone_name"]
 
 Array = NDArray[np.float64]
 
@@ -105,6 +105,16 @@ def placement(cycle: Cycle, written: LoopOptions) -> Placement:
     return Placement(scale, axes, turn, up, metres and metres / scale)
 
 
+def root_bone_name(skeleton: Skeleton) -> str:
+    """Return the bone that carries the root motion where one is asked for: its own, or a new."""
+    if len(skeleton.trunk) > 1:
+        return skeleton.names[0]
+    name, taken = "root", {one.lower() for one in skeleton.names}
+    while name in taken:
+        name = f"{name}_motion"
+    return name
+
+
 def _check_names(skeleton: Skeleton, target: str) -> None:
     """Refuse names that differ by capitals alone: engines take them for one."""
     (name, times), *_ = Counter(name.lower() for name in skeleton.names).most_common(1)
@@ -184,11 +194,9 @@ def _with_root_bone(motion: Motion, cycle: Cycle, written: LoopOptions) -> Motio
 
 
 def _under_root(motion: Motion) -> Motion:
-    """Hang the skeleton on a bone of the name ``root``, which moves as the body does."""
+    """Hang the skeleton on a new bone, which moves as the body does."""
     skeleton, moved = motion.skeleton, motion.translations
-    name, taken = "root", {one.lower() for one in skeleton.names}
-    while name in taken:
-        name = f"{name}_motion"
+    name = root_bone_name(skeleton)
     offset = motion.up_vector * motion.root_path[:, motion.up].mean()
     offsets = np.concatenate([np.zeros((1, 3)), [offset], skeleton.offsets[1:]])
     ends = tuple((joint + 1, end) for joint, end in skeleton.end_sites)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from roundelay.cycles.cycle import Cycle
-from roundelay.loops.exported import placement
+from roundelay.loops.exported import placement, root_bone_name
 
 if TYPE_CHECKING:
     from roundelay.loops.options import LoopOptions
@@ -26,12 +26,13 @@ def player_record(told: dict[str, Any], cycle: Cycle, written: LoopOptions) -> d
     Returns
     -------
     dict
-        ``target``; ``clip``, the animation's name; ``metres_a_unit``; ``root_bone``, whether one
-        was asked for; ``events``: names, frames, seconds and phases of quarter phases and of feet
-        that come down and leave the ground, in order of time; the root motion and depths in the
-        file's world.
+        ``target``; ``clip``, the animation's name; ``metres_a_unit``; ``root_bone``, its name
+        where one was asked for; ``events``: names, frames, seconds and phases of quarter phases
+        and of feet that come down and leave the ground, in order of time; the root motion and
+        depths in the file's world.
     """
     where = placement(cycle, written)
+    carries = written.root_bone and not written.in_place
     motion = dict(told["root_motion"])
     motion |= {"travel": where.vector(cycle.travel).tolist(), "up": "XYZ"[where.up]}
     met = [one | {"depth": one["depth"] * where.scale} for one in told["collisions"]]
@@ -39,7 +40,7 @@ def player_record(told: dict[str, Any], cycle: Cycle, written: LoopOptions) -> d
         "target": written.target,
         "clip": f"{cycle.name}-loop" if written.target == "godot" else cycle.name,
         "metres_a_unit": where.metres,
-        "root_bone": bool(written.root_bone) and not written.in_place,
+        "root_bone": root_bone_name(cycle.skeleton) if carries else None,
         "root_motion": motion,
         "collisions": met,
         "events": _events(told),

@@ -64,10 +64,10 @@ class Generic:
             ``loop``: that the frame after the last is the first, moved on by the root motion;
             ``frames`` of all periods and of one, without a repeated first; ``root_motion`` of one
             period: displacement in the file's world and unit, turning in degrees, whether it is
-            in the file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by its joint,
-            of half-open ranges of frames in which it stands, the second number beyond the period
-            where it stands across the seam; what `limb_record` tells of one period, and
-            `roundelay.loops.played.player_record` of the file.
+            in the file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by
+            its joint, of half-open ranges of frames in which it stands, the second number beyond
+            the period where it stands across the seam; what `limb_record` tells of one period,
+            and `roundelay.loops.played.player_record` of the file.
         """
         rate = cycle.fps if written.fps is None else written.fps
         count = max(1, round(cycle.period * rate))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import ROUNDING
 from roundelay.cycles.above import Above
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry import rotations as rot
@@ -26,9 +27,7 @@ Array = NDArray[np.float64]
 
 _AXES: dict[str | None, int] = {"y": 1, "z": 2}
 # Metres of the units that lengths can be written in.
-_METRES: dict[str | None, float] = {"m": 1.0, "cm": 0.01}
-# Body sizes, below which left and right joints tell of no facing.
-_NARROW = 1e-3
+_METRES: dict[str | None, float] = {"m": 1.0, "cm": 1 / 100}
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +150,7 @@ def _facing(cycle: Cycle) -> Array | None:
     points = cycle.sample(in_place=True).with_root_motion().positions()
     across = np.mean(points[:, left] - points[:, right], axis=(0, 1))
     across[cycle.up] = 0.0
-    if np.linalg.norm(across) < _NARROW * cycle.skeleton.size:
+    if np.linalg.norm(across) < ROUNDING * cycle.skeleton.size:
         return None
     return np.cross(across, np.eye(3)[cycle.up])
 

@@ -29,13 +29,13 @@ class _Preset:
 # Readers of FBX take lengths for centimetres, those of glTF for metres.
 PRESETS: dict[Target | None, _Preset] = {
     None: _Preset(),
-    "unity": _Preset("fbx", 30.0, unit="cm", up="y", face_forward=True, root_bone=True),
-    "unreal": _Preset("fbx", 30.0, unit="cm", up="y", face_forward=True, root_bone=True),
-    "godot": _Preset("glb", 30.0, unit="m", up="y", face_forward=True, root_bone=True),
+    "unity": _Preset("fbx", 30, unit="cm", up="y", face_forward=True, root_bone=True),
+    "unreal": _Preset("fbx", 30, unit="cm", up="y", face_forward=True, root_bone=True),
+    "godot": _Preset("glb", 30, unit="m", up="y", face_forward=True, root_bone=True),
     # A scene's range shows each of its frames once: BVH repeats none, and 24 is the scene's rate.
-    "blender": _Preset("bvh", 24.0, unit="m", up="y", face_forward=True),
-    "maya": _Preset("fbx", 24.0, unit="cm", up="y", face_forward=True),
-    "web": _Preset("glb", 30.0, in_place=True, unit="m", up="y", face_forward=True),
+    "blender": _Preset("bvh", 24, unit="m", up="y", face_forward=True),
+    "maya": _Preset("fbx", 24, unit="cm", up="y", face_forward=True),
+    "web": _Preset("glb", 30, in_place=True, unit="m", up="y", face_forward=True),
 }
 
 

@@ -8,7 +8,7 @@ BLENDER_PYTHON ?= python3.11
 BLENDERS ?= 5.0.1 4.5.15
 CAPTURES := 01_01 01_03 Boxing_Toes
 
-.PHONY: demo test page-test docs figures check setup clean blender-extension blender-test
+.PHONY: demo test page-test players-test docs figures check setup clean blender-extension blender-test
 
 demo: $(VENV)/.installed
 	@mkdir -p out
@@ -25,6 +25,15 @@ test: $(VENV)/.tested
 page-test: $(VENV)/.browser
 	@command -v chromium >/dev/null || { echo "page-test needs Chromium: apt-get install chromium"; exit 1; }
 	$(BIN)/python -m pytest tests/output/page
+
+players-test: $(VENV)/.browser build/players/node_modules/three
+	@command -v chromium >/dev/null || { echo "players-test needs Chromium: apt-get install chromium"; exit 1; }
+	$(BIN)/python -m pytest tests/loops/test_players.py
+
+build/players/node_modules/three:
+	@command -v npm >/dev/null || { echo "players-test needs npm: apt-get install npm"; exit 1; }
+	mkdir -p build/players
+	npm install --silent --no-audit --no-fund --prefix build/players three@0.187
 
 docs: $(VENV)/.documented
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs out/docs

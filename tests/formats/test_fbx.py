@@ -303,3 +303,20 @@ def test_a_name_that_is_no_text(tmp_path):
 def test_fbx_is_not_read(tmp_path):
     with pytest.raises(rl.FormatError, match=r"expected a file of type \.bvh, \.amc"):
         rl.read(tmp_path / "a.fbx")
+
+
+def test_a_joint_that_moves_lies_aside_of_its_parents_axis(tmp_path):
+    """Blender joins a child at its parent's tip, along Y, and leaves out its movement."""
+    made = synth.gait("walk", repetitions=2, fps=30).motion
+    above = np.array([0.0, 2.0, 0.0])
+    offsets = made.skeleton.offsets.copy()
+    offsets[1] = above
+    skeleton = replace(made.skeleton, offsets=offsets)
+    moved = np.tile(offsets, (len(made), 1, 1))
+    moved[:, 1, 1] += 0.1 * np.sin(np.arange(len(made)))
+    rl.write(replace(made, skeleton=skeleton, translations=moved), tmp_path / "moves.fbx")
+    scene = Scene(tmp_path / "moves.fbx")
+    model = list(scene.models.values())[1]
+    rest = model.property("Lcl Translation")[-3:]
+    assert abs(rest[0]) > 1e-5
+    assert np.allclose(rest, above, atol=1e-3)

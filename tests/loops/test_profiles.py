@@ -11,6 +11,7 @@ import roundelay as rl
 from roundelay import synth
 from roundelay.cycles.edit.separate import Mended
 from roundelay.geometry.collision import collisions
+from roundelay.loops.exported import exported
 from roundelay.loops.options import LoopOptions
 from roundelay.loops.profiles import foot_contacts, profiles
 
@@ -70,3 +71,26 @@ def test_what_is_told_is_what_is_in_the_loop(jump_cycles):
         met = collisions(loop.skeleton, loop.rotations)
         told = told_of(cycle, fps=24.0)["collisions"]
         assert [tuple(one["bones"]) for one in told] == [one.bones for one in met]
+
+
+def test_the_record_of_a_target_is_of_its_file(walk):
+    written = LoopOptions(target="unreal", fps=30.0)
+    told = profiles["generic"].record(walk, written)
+    loop = exported(walk, replace(written, repeat_first=True))
+    way = loop.positions()[-1, 0] - loop.positions()[0, 0]
+    assert np.allclose(told["root_motion"]["travel"], way, atol=1e-6)
+    assert (told["target"], told["metres_a_unit"]) == ("unreal", pytest.approx(0.01))
+    assert told["root_bone"] == loop.skeleton.names[0]
+    assert told["first_repeated"]
+
+
+def test_events_are_in_order_and_alternate(jump_cycles):
+    told = told_of(jump_cycles[0], fps=30)
+    names = [event["name"] for event in told["events"]]
+    assert names[0] == "phase 0"
+    frames = [event["frame"] for event in told["events"]]
+    assert frames == sorted(frames)
+    for foot in told["contacts"]:
+        own = [name for name in names if name.startswith(foot)]
+        assert own
+        assert own.count(f"{foot} down") == own.count(f"{foot} up")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,6 +25,8 @@ Row = tuple[str, str, str, str, float, float, float]
 _TICKS = 46_186_158_000  # a second
 # Straight lines from key to key, in the bits that the format's own library writes.
 _LINEAR = 24836
+# Body sizes by which a joint that moves on its parent is set aside at rest.
+_ASIDE = 1e-4
 
 
 class FbxWriter:
@@ -52,7 +55,7 @@ class FbxWriter:
         times = np.rint(motion.frame_time * _TICKS * np.arange(len(motion))).astype(np.int64)
         take = Take(motion.name or "motion", Long(times[-1]), motion.fps, motion.up)
         scene = Scene()
-        models = _add_skeleton(scene, _bones(motion.skeleton))
+        models = _add_skeleton(scene, _bones(_loosened(motion)))
         _add_animation(scene, motion, models, take, times)
         content = encoded(scene.nodes(take))
         with written_beside(path) as part:
@@ -66,6 +69,19 @@ class _Bone(NamedTuple):
     parent: int
     offset: Array
     place: Array
+
+
+def _loosened(motion: Motion) -> Skeleton:
+    """Set joints that move on their parents aside at rest, where they lie above them along Y.
+
+    Blender lets bones point along Y, joins a child at the tip, and then leaves out its movement.
+    """
+    skeleton = motion.skeleton
+    offsets, aside = skeleton.offsets.copy(), _ASIDE * skeleton.size
+    for joint, _ in moving_joints(motion):
+        if np.abs(offsets[joint, [0, 2]]).max() < aside:
+            offsets[joint, 0] += aside
+    return replace(skeleton, offsets=offsets)
 
 
 def _bones(skeleton: Skeleton) -> list[_Bone]:

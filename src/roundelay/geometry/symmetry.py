@@ -18,6 +18,7 @@ __all__ = [
     "reflected_rotations",
     "reflected_skeleton",
     "reflection",
+    "sides",
 ]
 
 Array = NDArray[np.float64]
@@ -55,6 +56,22 @@ def partners(skeleton: Skeleton) -> Places:
         result[joint] = joint if other is None else names[other]
     _check_tree(skeleton, result)
     return result
+
+
+def sides(skeleton: Skeleton) -> tuple[Places, Places]:
+    """Return the left joints (n,) and the partner of each; none where sides do not pair."""
+    try:
+        other = partners(skeleton)
+    except SkeletonMismatch:
+        return np.zeros(0, np.intp), np.zeros(0, np.intp)
+    left = [j for j, k in enumerate(other) if _is_left(skeleton.names[j], skeleton.names[k])]
+    return np.array(left, np.intp), other[left]
+
+
+def _is_left(name: str, partner: str) -> bool:
+    """Tell whether the first letter by which two names differ is that of the left."""
+    differing = (one for one, two in zip(name, partner, strict=False) if one != two)
+    return next(differing, "").lower() == "l"
 
 
 def _other_side(name: str) -> str | None:

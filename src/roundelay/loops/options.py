@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from roundelay.base.options import Checked, option
 from roundelay.formats import checked_format, wraps_at_last_key
+from roundelay.loops.presets import Target, Unit, UpAxis, preset_of
 from roundelay.loops.profiles import profiles
 from roundelay.motion.motion import FASTEST
 
@@ -17,15 +18,19 @@ __all__ = ["LoopOptions"]
 class LoopOptions(Checked):
     """Choices of how a loop is sampled, repaired and written.
 
+    What is None is chosen by the target when the options are made; what is given overrules it.
+
     Parameters
     ----------
+    target : {"unity", "unreal", "godot", "blender", "maya", "web"}, optional
+        The program that plays the loop; see `roundelay.loops.presets`.
     fps : float, optional
-        Frames a second; the capture's by default.
+        Frames a second; the target's by default, or else the capture's.
     periods : int
         How many periods, one after the other.
-    in_place : bool
+    in_place : bool, optional
         Leave out the root's travel and turning.
-    repeat_first : bool
+    repeat_first : bool, optional
         Append the frame that repeats the first; see `first_repeated`.
     mirror : bool
         Exchange left and right.
@@ -35,8 +40,17 @@ class LoopOptions(Checked):
         Hold standing feet still; see `roundelay.cycles.edit.footlock`.
     repair : bool
         Part limbs that pass through each other more than they do in the capture.
-    file_format : str
-        "bvh", "amc", "glb", "gltf", "fbx", or a suffix that a plug-in's writer knows.
+    file_format : str, optional
+        "bvh", "amc", "glb", "gltf", "fbx", or a suffix that a plug-in's writer knows; "bvh" by
+        default.
+    unit : {"file", "m", "cm"}, optional
+        The unit of lengths, where that of the capture is known by the body's size.
+    up : {"file", "y", "z"}, optional
+        The axis that points up.
+    face_forward : bool, optional
+        Face the front: +Z where Y points up, -Y where Z does.
+    root_bone : bool, optional
+        Let a bone on the ground carry travel and turning.
     profile : str
         What the record tells of playing the loop, by the name of an export profile.
 
@@ -48,6 +62,11 @@ class LoopOptions(Checked):
 
     title: ClassVar[str] = "What is written"
 
+    target: Target | None = option(
+        None,
+        "Write as this program plays it: format, rate, unit, axes, root; other options overrule.",
+        flag="for",
+    )
     fps: float | None = option(
         None,
         "Frame rate of what is written; the capture's by default.",
@@ -56,9 +75,9 @@ class LoopOptions(Checked):
         most=FASTEST,
     )
     periods: int = option(1, "Write so many periods, one after the other.", least=1, most=1000)
-    in_place: bool = option(False, "Leave the root's travel and turning out.")
-    repeat_first: bool = option(
-        False, "Let the last frame repeat the first; in a glTF or FBX file it always does."
+    in_place: bool | None = option(None, "Leave the root's travel and turning out.")
+    repeat_first: bool | None = option(
+        None, "Let the last frame repeat the first; in a glTF or FBX file it always does."
     )
     mirror: bool = option(False, "Exchange left and right.")
     resize: float = option(1.0, "Multiply every length by this.", above=0)
@@ -68,18 +87,37 @@ class LoopOptions(Checked):
         "Part limbs that pass through each other more than they do in the capture.",
         label="Part Limbs",
     )
-    file_format: str = option("bvh", "Format of the file: {formats}.", flag="format")
+    file_format: str | None = option(
+        None, "Format of the file: {formats}. BVH by default.", flag="format"
+    )
+    unit: Unit | None = option(
+        None, "Unit of lengths, where the body's size tells the capture's; that one by default."
+    )
+    up: UpAxis | None = option(None, "Axis that points up; the capture's by default.")
+    face_forward: bool | None = option(
+        None, "Face the front: +Z where Y points up, -Y where Z does."
+    )
+    root_bone: bool | None = option(
+        None, "Let a bone on the ground carry the root's travel and turning."
+    )
     profile: str = option("generic", "What the record tells of playing the loop: {profiles}.")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        checked_format(self.file_format)
+        for name, value in preset_of(self.target).items():
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, value)
+        checked_format(self._format)
         profiles[self.profile]  # refuses a name that is not known
+
+    @property
+    def _format(self) -> str:
+        return self.file_format or "bvh"
 
     @property
     def first_repeated(self) -> bool:
         """Whether the last frame written repeats the first: if asked, or as players need it."""
-        return self.repeat_first or wraps_at_last_key(self.file_format)
+        return bool(self.repeat_first) or wraps_at_last_key(self._format)
 
     @property
     def sampling(self) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from roundelay.cycles.contacts import standing_feet
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.separate import Mended
 from roundelay.geometry.collision import collisions
+from roundelay.loops.played import player_record
 from roundelay.motion.motion import Motion
 
 if TYPE_CHECKING:
@@ -62,15 +63,16 @@ class Generic:
         dict
             ``loop``: that the frame after the last is the first, moved on by the root motion;
             ``frames`` of all periods and of one, without a repeated first; ``root_motion`` of one
-            period: displacement in the skeleton's unit, turning in degrees, whether it is in the
-            file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by its joint,
-            of half-open ranges of frames in which it stands, the second number beyond the period
-            where it stands across the seam; what `limb_record` tells of one period.
+            period: displacement in the file's world and unit, turning in degrees, whether it is
+            in the file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by
+            its joint, of half-open ranges of frames in which it stands, the second number beyond
+            the period where it stands across the seam; what `limb_record` tells of one period,
+            and `roundelay.loops.played.player_record` of the file.
         """
         rate = cycle.fps if written.fps is None else written.fps
         count = max(1, round(cycle.period * rate))
         markers = [(k / _MARKERS, k * count / _MARKERS) for k in range(_MARKERS)]
-        return {
+        told = {
             "loop": True,
             "fps": rate,
             "frames": count * written.periods,
@@ -85,6 +87,7 @@ class Generic:
             "markers": [{"phase": phase, "frame": frame} for phase, frame in markers],
             "contacts": foot_contacts(cycle, rate),
         } | limb_record(cycle.sample(rate, foot_lock=written.foot_lock), mended)
+        return player_record(told, cycle, written)
 
 
 profiles: Registry[Profile] = Registry("profile", "roundelay.profiles", Profile)

@@ -16,6 +16,7 @@ from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import mapped, mirrored
 from roundelay.cycles.edit.separate import Mended, repaired, repaired_motion, source_parts
 from roundelay.formats import checked_format, files_written, write
+from roundelay.loops.exported import exported
 from roundelay.loops.lint import odd_rate
 from roundelay.loops.options import LoopOptions
 from roundelay.loops.profiles import profiles
@@ -88,7 +89,7 @@ class Rendered:
         other = replace(self.render, file_format=checked_format(file_format))
         if other.sampling == self.render.sampling:
             return self.motion
-        return self.cycle.sample(**other.sampling)
+        return exported(self.cycle, other)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -133,7 +134,9 @@ def made_loop(cycle: Cycle, capture: Motion, render: LoopOptions | None = None) 
     found = rendered(cycle, source_parts(expected(Cycle, cycle), capture), render)
     capture = placed(capture, render)
     figures = quality(found.cycle, capture)
-    verdict = verdict_of(found.cycle, capture, found.motion, figures, in_place=render.in_place)
+    plain = found.cycle.sample(**render.sampling)
+    in_place = bool(render.in_place)
+    verdict = verdict_of(found.cycle, capture, plain, figures, in_place=in_place)
     _tell_odd_rate(found)
     return Loop(**vars(found), quality=figures, verdict=verdict)
 
@@ -171,7 +174,7 @@ def rendered(cycle: Cycle, sources: Sequence[Motion], render: LoopOptions) -> Re
     if render.repair:
         cycle, parted = repaired(cycle, [placed(each, render) for each in sources])
     playback = profiles[render.profile].record(cycle, render, parted)
-    return Rendered(cycle, cycle.sample(**render.sampling), playback, parted, render)
+    return Rendered(cycle, exported(cycle, render), playback, parted, render)
 
 
 @one_thread

@@ -80,15 +80,13 @@ def find_cycles(
     """
     options = chosen(Options, options)
     capture = expected(Motion, motion)
-    motion, model = capture.with_root_motion(), cycle_models[options.method]
+    motion = capture.with_root_motion()
     search, found = find_evidence(motion, options, progress)
     cycles, refused = [], []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
         try:
-            phase = _phase(search, evidence)
-            cycle = model.fit(motion, phase, evidence, options)
-            cycles.append(as_captured(cycle, capture, phase, evidence.runs))
+            cycles.append(_fitted(capture, motion, _phase(search, evidence), evidence, options))
         except TooShort as error:
             refused.append(NoPeriod(str(error), evidence))
     if not cycles:
@@ -119,8 +117,7 @@ def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = Non
     capture = expected(Motion, motion)
     motion = capture.with_root_motion()
     phase = _phase(Search.of_take(motion, options), expected(Evidence, evidence))
-    cycle = cycle_models[options.method].fit(motion, phase, evidence, options)
-    return as_captured(cycle, capture, phase, evidence.runs)
+    return _fitted(capture, motion, phase, evidence, options)
 
 
 @one_thread
@@ -189,6 +186,20 @@ def _phase(search: Search, evidence: Evidence) -> NDArray[np.float64]:
     behaviour = evidence.behaviour
     own = search if behaviour is None or behaviour.whole else search.of(behaviour.joints)
     return time_phase(own.points, evidence.turns, evidence.runs, frame_time=1.0 / search.fps)
+
+
+def _fitted(
+    capture: Motion,
+    motion: Motion,
+    phase: NDArray[np.float64],
+    evidence: Evidence,
+    options: Options,
+) -> Cycle:
+    """Fit a cycle to the motion in the root; let it know its phase, and the capture's own root."""
+    cycle = cycle_models[options.method].fit(motion, phase, evidence, options)
+    if cycle.phase is None:
+        cycle = replace(cycle, phase=phase)
+    return as_captured(cycle, capture)
 
 
 @one_thread

@@ -62,6 +62,7 @@ def shifted(cycle: Cycle, offset: float) -> Cycle:
         velocity=_shifted(cycle.velocity, offset),
         height=_shifted(cycle.height, offset),
         translations=moved,
+        phase=None if cycle.phase is None else cycle.phase - offset,
     )
 
 

@@ -91,6 +91,7 @@ class CycleSpace:
             turning=float(w @ [cycle.turning for cycle in self.cycles]),
             translations=_combined(self._translations, w) if self._translations else None,
             evidence=None,
+            phase=None,
         )
 
     @one_thread

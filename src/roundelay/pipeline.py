@@ -23,6 +23,7 @@ from roundelay.base.progress import Progress, report
 from roundelay.base.threads import one_thread
 from roundelay.cycles.captured import as_captured
 from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.events import begun
 from roundelay.cycles.models import cycle_models
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses
@@ -63,7 +64,8 @@ def find_cycles(
     Returns
     -------
     list of Cycle
-        One for each motion, the one most often and most surely repeated first.
+        One for each motion, the one most often and most surely repeated first. Each begins at the
+        left foot's contact, or at its largest event where no foot steps.
 
     Raises
     ------
@@ -195,11 +197,14 @@ def _fitted(
     evidence: Evidence,
     options: Options,
 ) -> Cycle:
-    """Fit a cycle to the motion in the root; let it know its phase, and the capture's own root."""
+    """Fit a cycle to the motion in the root, and let it begin at an event.
+
+    It knows its phase, and what the capture's own root did.
+    """
     cycle = cycle_models[options.method].fit(motion, phase, evidence, options)
     if cycle.phase is None:
         cycle = replace(cycle, phase=phase)
-    return as_captured(cycle, capture)
+    return as_captured(begun(cycle), capture)
 
 
 @one_thread

@@ -43,6 +43,7 @@ def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: Loop
     with one_line_errors():
         from roundelay.cycles.edit.blend import blend as blend_cycles
         from roundelay.cycles.edit.separate import repaired
+        from roundelay.cycles.events import started
         from roundelay.formats import write, writer_of
         from roundelay.loops.profiles import limb_record
 
@@ -51,6 +52,7 @@ def blend(captures: Captures, file: File, *, mixing: BlendOptions, written: Loop
         shares = _shares(mixing, len(captures))
         cycles, sources = _best_cycles(captures, mixing.mirror)
         mixed = blend_cycles(cycles, shares, by=mixing.by, mirror=mixing.mirror)
+        mixed = started(mixed, written.start)
         mixed, mended = repaired(mixed, sources) if written.repair else (mixed, ())
         loop = mixed.sample(**written.sampling)
         output_directory(file.parent)

@@ -63,6 +63,7 @@ def loop(
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found.
     """
     from roundelay.base.errors import NoPeriod
+    from roundelay.cycles.events import started
     from roundelay.loops.profiles import profiles
 
     with one_line_errors(capture):
@@ -74,6 +75,7 @@ def loop(
                 cycles = _cycles(motion, search, per_behaviour, progress)
             except NoPeriod as refusal:
                 _refuse(motion, capture, folder, search, refusal, json)
+        cycles = [started(one, written.start) for one in cycles]
         loops = [_repaired(motion, one) if written.repair else (one, ()) for one in cycles]
         record = _write(motion, capture, folder, search, loops, written, profile, picture)
         if gif:

@@ -12,6 +12,7 @@ __all__ = [
     "CENTROID",
     "CONTINUITY",
     "CYCLE",
+    "EVENTS",
     "FOOTLOCK",
     "REPAIR",
     "WEIGHTED",
@@ -78,6 +79,29 @@ class _Above(Thresholds):
 
 
 ABOVE = _Above()
+
+
+@dataclass(frozen=True)
+class _Events(Thresholds):
+    """What happens in a cycle, and where it begins."""
+
+    phases: int = constant(
+        360, unit="phases", origin="looked at; a parabola finds the event between"
+    )
+    steps: float = constant(
+        0.05,
+        unit="body sizes",
+        origin="a foot that goes to and fro by less makes no step; half of loops.gait.reach, which "
+        "is of both feet",
+    )
+    alike: float = constant(
+        0.75,
+        unit="share of the largest distance from the mean pose",
+        origin="poses so far may be the largest event, the highest is; " + BY_EYE,
+    )
+
+
+EVENTS = _Events()
 
 
 @dataclass(frozen=True)

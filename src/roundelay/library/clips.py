@@ -16,6 +16,7 @@ from roundelay.base.version import __version__
 from roundelay.compare.spectra import Spectra
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.separate import repaired, source_parts
+from roundelay.cycles.events import started
 from roundelay.formats import files_of, read, write
 from roundelay.library.store import Entry
 from roundelay.loops.options import LoopOptions
@@ -157,7 +158,7 @@ def _segments(motion: Motion) -> list[dict[str, Any]]:
 def _written(clip: Clip, motion: Motion, cycles: Sequence[Cycle]) -> list[dict[str, Any]]:
     """Write the loops and describe the cycles."""
     options, records = clip.options, []
-    for number, found in enumerate(cycles, 1):
+    for number, found in enumerate((started(one, options.start) for one in cycles), 1):
         parts = source_parts(found, motion)
         cycle, mended = repaired(found, parts) if options.repair else (found, ())
         loop = cycle.sample(**options.sampling)

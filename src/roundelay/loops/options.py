@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from roundelay.base.options import Checked, option
+from roundelay.cycles.events import checked_start
 from roundelay.formats import checked_format, wraps_at_last_key
 from roundelay.loops.profiles import profiles
 from roundelay.motion.motion import FASTEST
@@ -23,6 +24,10 @@ class LoopOptions(Checked):
         Frames a second; the capture's by default.
     periods : int
         How many periods, one after the other.
+    start : float or str, optional
+        Where the loop begins: "left" or "right" for the contact of that foot, a phase of the cycle,
+        or "frame:N" for what a frame of the capture shows; by default the left foot's contact, or
+        the largest event where no foot steps (`roundelay.cycles.events`).
     in_place : bool
         Leave out the root's travel and turning.
     repeat_first : bool
@@ -52,6 +57,14 @@ class LoopOptions(Checked):
         most=FASTEST,
     )
     periods: int = option(1, "Write so many periods, one after the other.", least=1, most=1000)
+    start: float | str | None = option(
+        None,
+        "Where the loop begins: the left or right foot's contact, a phase of the cycle, or what a "
+        "frame of the capture shows; by default the left contact, or the largest event.",
+        least=0,
+        below=1,
+        form="left|right|PHASE|frame:N",
+    )
     in_place: bool = option(False, "Leave the root's travel and turning out.")
     repeat_first: bool = option(
         False, "Let the last frame repeat the first; in a glTF or FBX file it always does."
@@ -68,6 +81,7 @@ class LoopOptions(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         checked_format(self.file_format)
+        checked_start(self.start)
         profiles[self.profile]  # refuses a name that is not known
 
     @property

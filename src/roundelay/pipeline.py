@@ -199,11 +199,12 @@ def _fitted(
 ) -> Cycle:
     """Fit a cycle to the motion in the root, and let it begin at an event.
 
-    It knows its phase, and what the capture's own root did.
+    It knows its phase, the model that made it, and what the capture's own root did.
     """
-    cycle = cycle_models[options.method].fit(motion, phase, evidence, options)
-    if cycle.phase is None:
-        cycle = replace(cycle, phase=phase)
+    model = cycle_models[options.method]
+    cycle = model.fit(motion, phase, evidence, options)
+    known = phase if cycle.phase is None else cycle.phase
+    cycle = replace(cycle, phase=known, method=cycle.method or model.name)
     return as_captured(begun(cycle), capture)
 
 

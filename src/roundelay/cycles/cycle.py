@@ -63,6 +63,8 @@ class Cycle:
     phase : (F,) ndarray or None
         The phase of the capture's frames that it was fitted by: unwrapped, in turns, and NaN
         outside the parts that show the motion.
+    method : str
+        The cycle model that made it, by name; empty for a blend.
     """
 
     skeleton: Skeleton
@@ -79,6 +81,7 @@ class Cycle:
     evidence: Evidence | None = field(default=None, repr=False)
     above: Above | None = None
     phase: Array | None = field(default=None, repr=False)
+    method: str = ""
 
     def __repr__(self) -> str:
         joints = self.skeleton.n_joints

@@ -89,11 +89,6 @@ class _Verdict(Thresholds):
         unit="share of a limb's amplitude in the usual repetition",
         origin="measured: no loop of 86 captures is below",
     )
-    moves: float = constant(
-        0.02,
-        unit="body sizes, RMS",
-        origin="of a limb that moves by less no part is missed; " + BY_EYE,
-    )
     repetitions: float = constant(
         2.0, unit="repetitions", origin="fewer were not averaged all around; two were"
     )

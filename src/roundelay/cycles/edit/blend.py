@@ -92,6 +92,7 @@ class CycleSpace:
             translations=_combined(self._translations, w) if self._translations else None,
             evidence=None,
             phase=None,
+            method="",
         )
 
     @one_thread

@@ -329,7 +329,8 @@ def _cycle_of(motion: rl.Motion, options: Options) -> Outcome:
     pace = float(np.linalg.norm(first.pose(np.arange(32) / 32, derivative=1)))
     travel = float(np.linalg.norm(first.travel)) / motion.skeleton.size
     above = 0.0 if first.above is None else float(len(first.above.places))
-    figures = (first.evidence.confidence, first.evidence.repetitions, pace, travel, above)
+    sure = first.evidence.confidence or 0.0
+    figures = (sure, first.evidence.repetitions, pace, travel, above)
     return Outcome(len(cycles), first.period, figures)
 
 

@@ -99,7 +99,7 @@ def begun(cycle: Cycle) -> Cycle:
     return shifted(cycle, _contact(stride, 0) if stride and stepping else _largest(cycle))
 
 
-def checked_start(start: float | str | None) -> None:
+def checked_start(start: float | str) -> None:
     """Refuse a start that has none of the forms that `started` takes.
 
     Raises
@@ -117,23 +117,21 @@ def checked_start(start: float | str | None) -> None:
 
 
 @one_thread
-def started(cycle: Cycle, start: float | str | None) -> Cycle:
+def started(cycle: Cycle, start: float | str) -> Cycle:
     """Return the cycle that begins elsewhere.
 
     Parameters
     ----------
     cycle : Cycle
-    start : float, str or None
-        "left" or "right" for the contact of that foot; a phase of the cycle; "frame:N" for what a
-        frame of the capture shows; None for where the cycle begins.
+    start : float or str
+        "left" or "right" for the contact of that foot; a phase of the cycle, 0 being where it
+        begins; "frame:N" for what a frame of the capture shows.
 
     Raises
     ------
     ValueError
         If the skeleton has no left and right foot, or the frame does not show the motion.
     """
-    if start is None:
-        return cycle
     checked_start(start)
     if start in _SIDES:
         stride = _stride(cycle)

@@ -24,9 +24,9 @@ class LoopOptions(Checked):
         Frames a second; the capture's by default.
     periods : int
         How many periods, one after the other.
-    start : float or str, optional
+    start : float or str
         Where the loop begins: "left" or "right" for the contact of that foot, a phase of the cycle,
-        or "frame:N" for what a frame of the capture shows; by default the left foot's contact, or
+        or "frame:N" for what a frame of the capture shows; phase 0 is the left foot's contact, or
         the largest event where no foot steps (`roundelay.cycles.events`).
     in_place : bool
         Leave out the root's travel and turning.
@@ -57,10 +57,10 @@ class LoopOptions(Checked):
         most=FASTEST,
     )
     periods: int = option(1, "Write so many periods, one after the other.", least=1, most=1000)
-    start: float | str | None = option(
-        None,
+    start: float | str = option(
+        0.0,
         "Where the loop begins: the left or right foot's contact, a phase of the cycle, or what a "
-        "frame of the capture shows; by default the left contact, or the largest event.",
+        "frame of the capture shows; 0 is the left contact, or the largest event.",
         least=0,
         below=1,
         form="left|right|PHASE|frame:N",

@@ -33,8 +33,6 @@ Array = NDArray[np.float64]
 
 _SIDES = ("left", "right")
 _FRAME = "frame:"
-# Of a phase that is told.
-_DIGITS = 4
 
 
 @dataclass(frozen=True)
@@ -203,7 +201,7 @@ def _between(values: Array, top: int) -> float:
     """Return the phase of a maximum beside a place of values (n,) at even phases."""
     around = values[[top - 1, top, (top + 1) % len(values)]]
     # A tenth of a frame decides nothing, and what lies at 0 is told to be there.
-    return round((top + lowest_between(-around)) / len(values), _DIGITS) % 1.0
+    return round((top + lowest_between(-around)) / len(values), 4) % 1.0
 
 
 def _contact(stride: _Stride, side: int) -> float:

@@ -271,7 +271,7 @@ def _there_and_back(motion: Motion, asked: Span, taken: Span, fade: float) -> By
     along = np.arange(2 * length, dtype=float)
     # How far it is to the nearer turning point; about it, a parabola.
     away = np.abs((along + 0.5 * length) % length - 0.5 * length)
-    rounded = np.where(away < 0.5 * eased, away**2 / eased + 0.25 * eased, away)
+    rounded = np.where(away < 0.5 * eased, away**2 / eased + eased / 4, away)
     forth = np.abs(along - length) > 0.5 * length
     loop = motion.at(taken[0] + np.where(forth, rounded, length - rounded))
     return ByHand(loop, loop[:1], asked, taken, True, 0.0, 0.0)

@@ -40,10 +40,11 @@ import roundelay as rl
 from benchmarks._harness import Target, parser, report
 from benchmarks.raunio import RUNS, WALKS
 from roundelay.geometry import rotations as rot
+from roundelay.geometry.contacts import left_and_right
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.loops.lint import left_phase, lint, phase_of_set
 from roundelay.loops.mend import continued, mended
-from roundelay.loops.unrolled import body_path, left_and_right, seen, steps_of
+from roundelay.loops.unrolled import body_path, seen, steps_of
 
 TARGETS = (
     Target("check_found", ">=", 0.98, "faults that are named"),

@@ -43,9 +43,11 @@ from roundelay.base.thresholds import Constant, Value, constants, overridden
 from roundelay.compare.spectra import Spectra
 from roundelay.cycles.edit.align import align
 from roundelay.cycles.edit.separate import repaired, source_parts
+from roundelay.cycles.events import events_of
 from roundelay.geometry.kinematics import vertical_axis
 from roundelay.library.groups import grouped
 from roundelay.library.store import Shelf
+from roundelay.loops.by_hand import CloseOptions, close_by_hand
 from roundelay.loops.lint import left_phase, lint
 from roundelay.loops.profiles import foot_contacts
 from roundelay.loops.units import Lengths
@@ -238,6 +240,9 @@ def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
         "cycles.footlock": _loops,
         "cycles.repair": _loops,
         "cycles.centroid": _centroids,
+        "cycles.events": _begun,
+        "cycles.take": _taken,
+        "loops.by_hand": _closed,
         "phase.mixture": _centroids,
         "cycles.weighted": _weighted,
         "cycles.alignment": _aligned,
@@ -281,6 +286,38 @@ def _centroids() -> Iterator[Outcome]:
     return (_guarded(lambda m=motion: _cycle_of(m, options)) for motion in _MOTIONS)
 
 
+def _taken() -> Iterator[Outcome]:
+    """By itself, and whether it is chosen."""
+    for motion in _MOTIONS:
+        yield _guarded(lambda m=motion: _cycle_of(m, Options(method="take")))
+        yield _guarded(lambda m=motion: _cycle_of(m, Options()))
+
+
+def _begun() -> Iterator[Outcome]:
+    """At which phase the capture begins."""
+    return (_guarded(lambda m=motion: _first_phase(m)) for motion in _MOTIONS)
+
+
+def _first_phase(motion: rl.Motion) -> Outcome:
+    first = rl.find_cycles(motion)[0]
+    angle = 2 * np.pi * first.phase[first.evidence.runs[0][0]]
+    figures = (float(np.cos(angle)), float(np.sin(angle)), float(len(events_of(first))))
+    return Outcome(1, first.period, figures, slack=0.01)
+
+
+def _closed() -> Iterator[Outcome]:
+    """The middle half of every second capture, joined and there and back."""
+    for motion in _MOTIONS[::2]:
+        for ping_pong in (False, True):
+            options = CloseOptions(ping_pong=ping_pong)
+            yield _guarded(lambda m=motion, o=options: _closed_half(m, o))
+
+
+def _closed_half(motion: rl.Motion, options: CloseOptions) -> Outcome:
+    closed = close_by_hand(motion, (len(motion) // 4, 3 * len(motion) // 4), options)
+    return Outcome(1, closed.loop.duration, (*map(float, closed.frames), closed.apart))
+
+
 def _weighted() -> Iterator[Outcome]:
     options = Options(method="paper")
     return (_guarded(lambda m=motion: _cycle_of(m, options)) for motion in _MOTIONS)
@@ -292,7 +329,8 @@ def _cycle_of(motion: rl.Motion, options: Options) -> Outcome:
     pace = float(np.linalg.norm(first.pose(np.arange(32) / 32, derivative=1)))
     travel = float(np.linalg.norm(first.travel)) / motion.skeleton.size
     above = 0.0 if first.above is None else float(len(first.above.places))
-    figures = (first.evidence.confidence or 0.0, first.evidence.repetitions, pace, travel, above)
+    sure = first.evidence.confidence or 0.0
+    figures = (sure, first.evidence.repetitions, pace, travel, above)
     return Outcome(len(cycles), first.period, figures)
 
 

@@ -29,7 +29,9 @@ _AXIS_MODELS = [
 _MODELS = [*_AXIS_MODELS, ("AXES", "By Axis", "Chosen for the armature's axes one by one")]
 _METHOD = declared(Options, "method")
 _METHODS = [
-    ("HARMONIC", "Automatic", "Smooth regression of rotations, faded over where parts end"),
+    ("AUTO", "Automatic", "The mean, or the take where a limb would lose a fifth of its movement"),
+    ("HARMONIC", "Mean", "Smooth regression of rotations, faded over where parts end"),
+    ("TAKE", "Take", "The most typical repetition as it was played"),
     ("PAPER", "Weighted", "Regression of angles with velocities and accelerations (Raunio 2014)"),
     ("CENTROID", "Averages", "Means of the nearest poses (Vejdemo-Johansson et al. 2015)"),
 ]

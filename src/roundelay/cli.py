@@ -10,6 +10,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from roundelay.commands.blend import blend, transition
 from roundelay.commands.check import check
+from roundelay.commands.close import close
 from roundelay.commands.common import BAD_INPUT, INTERRUPTED, one_line_errors
 from roundelay.commands.convert import convert
 from roundelay.commands.excitations import excitations
@@ -80,6 +81,7 @@ for command in (
     library,
     search,
     check,
+    close,
     convert,
 ):
     app.command(cls=_Command)(command)

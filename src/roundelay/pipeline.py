@@ -24,6 +24,7 @@ from roundelay.base.progress import Progress, report
 from roundelay.base.threads import one_thread
 from roundelay.cycles.captured import as_captured
 from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.events import begun
 from roundelay.cycles.models import cycle_models
 from roundelay.loops.options import LoopOptions
 from roundelay.loops.recipe import Loop, made_loop
@@ -67,7 +68,8 @@ def find_cycles(
     Returns
     -------
     list of Cycle
-        One for each motion, the one most often and most surely repeated first.
+        One for each motion, the one most often and most surely repeated first. Each begins at the
+        left foot's contact, or at its largest event where no foot steps.
 
     Raises
     ------
@@ -84,15 +86,13 @@ def find_cycles(
     """
     options = chosen(Options, options)
     capture = expected(Motion, motion)
-    motion, model = capture.with_root_motion(), cycle_models[options.method]
+    motion = capture.with_root_motion()
     search, found = find_evidence(motion, options, progress)
     cycles, refused = [], []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
         try:
-            phase = _phase(search, evidence)
-            cycle = model.fit(motion, phase, evidence, options)
-            cycles.append(as_captured(cycle, capture, phase, evidence.runs))
+            cycles.append(_fitted(capture, motion, _phase(search, evidence), evidence, options))
         except TooShort as error:
             refused.append(NoPeriod(str(error), evidence))
     if not cycles:
@@ -168,8 +168,7 @@ def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = Non
     capture = expected(Motion, motion)
     motion = capture.with_root_motion()
     phase = _phase(Search.of_take(motion, options), expected(Evidence, evidence))
-    cycle = cycle_models[options.method].fit(motion, phase, evidence, options)
-    return as_captured(cycle, capture, phase, evidence.runs)
+    return _fitted(capture, motion, phase, evidence, options)
 
 
 @one_thread
@@ -238,6 +237,24 @@ def _phase(search: Search, evidence: Evidence) -> NDArray[np.float64]:
     behaviour = evidence.behaviour
     own = search if behaviour is None or behaviour.whole else search.of(behaviour.joints)
     return time_phase(own.points, evidence.turns, evidence.runs, frame_time=1.0 / search.fps)
+
+
+def _fitted(
+    capture: Motion,
+    motion: Motion,
+    phase: NDArray[np.float64],
+    evidence: Evidence,
+    options: Options,
+) -> Cycle:
+    """Fit a cycle to the motion in the root, and let it begin at an event.
+
+    It knows its phase, the model that made it, and what the capture's own root did.
+    """
+    model = cycle_models[options.method]
+    cycle = model.fit(motion, phase, evidence, options)
+    known = phase if cycle.phase is None else cycle.phase
+    cycle = replace(cycle, phase=known, method=cycle.method or model.name)
+    return as_captured(begun(cycle), capture)
 
 
 @one_thread

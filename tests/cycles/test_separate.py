@@ -133,7 +133,7 @@ def test_a_hopeless_meeting_stays_as_it_is():
 
 
 def test_a_transition_is_repaired_too(parents):
-    motion = rl.transition(*parents, 0.6, before=0.8, fps=60.0)
+    motion = rl.transition(*parents, 0.6, before=0.9, fps=60.0)
     fixed, told = repaired_motion(motion)
     assert meeting(motion)
     assert meeting(fixed) == {}

@@ -63,7 +63,7 @@ def test_a_break_at_the_join_is_told(walk, periods):
     assert "jerks where it is joined" in verdict.reasons[0]
 
 
-@pytest.mark.parametrize(("metres", "word"), [(0.0, "good"), (0.12, "look"), (0.3, "do not use")])
+@pytest.mark.parametrize(("metres", "word"), [(0.0, "good"), (0.1, "look"), (0.3, "do not use")])
 def test_feet_that_slide_are_told_in_centimetres(jumps, jump_cycles, metres, word):
     """Feet that stand in the capture, in a loop that sways from side to side."""
     loop = jump_cycles[0].sample()
@@ -102,7 +102,7 @@ def test_a_climb_is_told():
     climb = 0.3 * made.phase[:, None] * [0.0, 1.0, 0.0]
     up = replace(made.motion, root_path=made.motion.root_path + climb)
     assert "climbs 30 cm a period" in judged(up).reasons
-    assert judged(up, in_place=True).word == "look"
+    assert "climbs 30 cm a period" in judged(up, in_place=True).reasons
     down = replace(made.motion, root_path=made.motion.root_path - climb)
     assert "sinks 30 cm a period" in judged(down).reasons
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.numeric import SIX_DIGITS
-from roundelay.base.spans import Span
 from roundelay.cycles.above import Above
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.thresholds import ABOVE
@@ -23,24 +21,29 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def as_captured(cycle: Cycle, motion: Motion, phase: Array, runs: Sequence[Span]) -> Cycle:
+def as_captured(cycle: Cycle, motion: Motion) -> Cycle:
     """Tell a cycle which joint carried the body in its capture, and what those above it did.
 
     Parameters
     ----------
     cycle : Cycle
-        Made from the capture with the body's motion in the root.
+        Made from the capture with the body's motion in the root, with its evidence and phase.
     motion : Motion
         The capture as it is.
-    phase : (F,) ndarray
-        Unwrapped, of every frame in a run.
-    runs : sequence of (start, stop)
 
     Returns
     -------
     Cycle
         The one given where the capture's own root carried the body.
+
+    Raises
+    ------
+    ValueError
+        If the cycle carries no evidence or no phase.
     """
+    if cycle.evidence is None or cycle.phase is None:
+        raise ValueError("expected a cycle found in a capture, with its evidence and phase")
+    phase, runs = cycle.phase, cycle.evidence.runs
     start, stop = max(runs, key=lambda run: phase[run[1] - 1] - phase[run[0]])
     shown = motion[start:stop]
     places, turns = _trunk(shown)

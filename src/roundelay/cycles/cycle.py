@@ -60,6 +60,11 @@ class Cycle:
         What the cycle was found by: the frames that show it, its barcode and coordinate.
     above : Above or None
         What the joints above the one that carried the body did; None where the root did.
+    phase : (F,) ndarray or None
+        The phase of the capture's frames that it was fitted by: unwrapped, in turns, and NaN
+        outside the parts that show the motion.
+    method : str
+        The cycle model that made it, by name; empty for a blend.
     """
 
     skeleton: Skeleton
@@ -75,6 +80,8 @@ class Cycle:
     name: str = ""
     evidence: Evidence | None = field(default=None, repr=False)
     above: Above | None = None
+    phase: Array | None = field(default=None, repr=False)
+    method: str = ""
 
     def __repr__(self) -> str:
         joints = self.skeleton.n_joints

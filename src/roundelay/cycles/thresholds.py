@@ -12,8 +12,11 @@ __all__ = [
     "CENTROID",
     "CONTINUITY",
     "CYCLE",
+    "EVENTS",
     "FOOTLOCK",
     "REPAIR",
+    "SWINGS",
+    "TAKE",
     "WEIGHTED",
 ]
 
@@ -81,6 +84,29 @@ ABOVE = _Above()
 
 
 @dataclass(frozen=True)
+class _Events(Thresholds):
+    """What happens in a cycle, and where it begins."""
+
+    phases: int = constant(
+        360, unit="phases", origin="looked at; a parabola finds the event between"
+    )
+    steps: float = constant(
+        0.05,
+        unit="body sizes",
+        origin="a foot that goes to and fro by less makes no step; half of loops.gait.reach, which "
+        "is of both feet",
+    )
+    alike: float = constant(
+        0.75,
+        unit="share of the largest distance from the mean pose",
+        origin="poses so far may be the largest event, the highest is; " + BY_EYE,
+    )
+
+
+EVENTS = _Events()
+
+
+@dataclass(frozen=True)
 class _Centroid(Thresholds):
     """The typical trajectory of [A]."""
 
@@ -89,6 +115,45 @@ class _Centroid(Thresholds):
 
 
 CENTROID = _Centroid()
+
+
+@dataclass(frozen=True)
+class _Take(Thresholds):
+    """One repetition as it was played, and when it is taken."""
+
+    least: float = constant(
+        0.75,
+        unit="turns",
+        origin="what shows less is no repetition, however it is closed; " + BY_EYE,
+    )
+    reach: float = constant(
+        0.04,
+        unit="seconds",
+        origin="on either side of an end, by which its velocity is told; " + BY_EYE,
+    )
+    kept: float = constant(
+        0.8,
+        unit="share of a limb's amplitude in the usual repetition",
+        origin="a mean that keeps less has lost its accents; above loops.verdict.kept, below "
+        "which a loop is complained about",
+    )
+
+
+TAKE = _Take()
+
+
+@dataclass(frozen=True)
+class _Swings(Thresholds):
+    """How far limbs move."""
+
+    moves: float = constant(
+        0.02,
+        unit="body sizes, RMS",
+        origin="of a limb that moves by less no part is missed; " + BY_EYE,
+    )
+
+
+SWINGS = _Swings()
 
 
 @dataclass(frozen=True)

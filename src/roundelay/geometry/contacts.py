@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from roundelay.base.spans import Spans
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
+from roundelay.geometry.symmetry import other_side
 from roundelay.geometry.thresholds import CONTACTS, LIMBS
 
 __all__ = [
@@ -18,6 +20,7 @@ __all__ = [
     "find_feet",
     "foot_points",
     "free_limbs",
+    "left_and_right",
     "shoulders",
     "skate",
 ]
@@ -26,6 +29,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _NAMES = ("foot", "toe", "ankle", "hoof", "paw")
+_HANDS = ("hand", "wrist", "finger", "thumb", "arm")
 
 
 @dataclass(frozen=True)
@@ -70,11 +74,52 @@ def find_feet(skeleton: Skeleton, positions: Array, up: int) -> tuple[Foot, ...]
     found: dict[int, Foot] = {}
     for leaf in sorted(set(range(skeleton.n_joints)) - set(skeleton.parents)):
         limb = _limb(skeleton, leaf)
-        named = any(name in skeleton.names[joint].lower() for joint in limb for name in _NAMES)
+        named = any(_called(skeleton.names[joint], _NAMES) for joint in limb)
         if len(limb) > 2 and (named or heights[leaf] < near):
             foot = _foot(skeleton, limb)
             found.setdefault(foot.ankle, foot)
     return tuple(found.values())
+
+
+def left_and_right(skeleton: Skeleton, feet: tuple[Foot, ...]) -> tuple[int, int] | None:
+    """Return the numbers of two feet that are partners by their names, the left one first.
+
+    Of several pairs those that are called feet come first, then those of the first joints; what
+    is called a hand is none, though it may come near the ground.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    feet : tuple of Foot
+        As from `find_feet`.
+
+    Returns
+    -------
+    (int, int) or None
+        Places in `feet`; None where no two are partners.
+    """
+    number = {skeleton.names[foot.ankle]: place for place, foot in enumerate(feet)}
+    pairs = [(name, other_side(name, number)) for name in number]
+    known = [
+        (name, other)
+        for name, other in pairs
+        if other in number and other != name and not _called(name, _HANDS)
+    ]
+    if not known:
+        return None
+    name, other = min(known, key=lambda pair: not _called(pair[0], _NAMES))
+    ours, theirs = number[name], number[str(other)]
+    return (ours, theirs) if _is_left(name, str(other)) else (theirs, ours)
+
+
+def _called(name: str, words: Sequence[str]) -> bool:
+    return any(word in name.lower() for word in words)
+
+
+def _is_left(name: str, partner: str) -> bool:
+    """Tell which of two names that differ in their side alone is the left one."""
+    differing = next(x for x, y in zip(name.lower(), partner.lower(), strict=False) if x != y)
+    return differing == "l"
 
 
 def free_limbs(skeleton: Skeleton, positions: Array, up: int) -> list[int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from roundelay.geometry.skeleton import Skeleton
 
 __all__ = [
     "lateral_axis",
+    "other_side",
     "partners",
     "reflected_rotations",
     "reflected_skeleton",
@@ -47,10 +49,7 @@ def partners(skeleton: Skeleton) -> Places:
     names = {name: joint for joint, name in enumerate(skeleton.names)}
     result = np.arange(len(names))
     for name, joint in names.items():
-        other = _other_side(name)
-        if other is None and name[0] in "lr":
-            glued = _OTHER[name[0]] + name[1:]
-            other = glued if glued in names else None
+        other = other_side(name, names)
         if other is not None and other not in names:
             raise SkeletonMismatch(f"joint {name!r} has no partner {other!r} on the other side")
         result[joint] = joint if other is None else names[other]
@@ -74,11 +73,20 @@ def _is_left(name: str, partner: str) -> bool:
     return next(differing, "").lower() == "l"
 
 
-def _other_side(name: str) -> str | None:
+def other_side(name: str, names: Container[str]) -> str | None:
+    """Return what a joint's partner is called; None for a joint in the middle.
+
+    Parameters
+    ----------
+    name : str
+    names : container of str
+        Of all joints. The prefixes of Acclaim skeletons are sides only where there is a partner.
+    """
     for pattern in (_WORD, _LETTER):
         if pattern.search(name):
             return pattern.sub(lambda match: _swapped(match.group()), name)
-    return None
+    glued = _OTHER[name[0]] + name[1:] if name[0] in "lr" else ""
+    return glued if glued in names else None
 
 
 def _swapped(side: str) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from roundelay.base.options import Checked, option
+from roundelay.cycles.events import checked_start
 from roundelay.formats import checked_format, wraps_at_last_key
 from roundelay.loops.presets import Target, Unit, UpAxis, preset_of
 from roundelay.loops.profiles import profiles
@@ -28,6 +29,10 @@ class LoopOptions(Checked):
         Frames a second; the target's by default, or else the capture's.
     periods : int
         How many periods, one after the other.
+    start : float or str
+        Where the loop begins: "left" or "right" for the contact of that foot, a phase of the cycle,
+        or "frame:N" for what a frame of the capture shows; phase 0 is the left foot's contact, or
+        the largest event where no foot steps (`roundelay.cycles.events`).
     in_place : bool, optional
         Leave out the root's travel and turning.
     repeat_first : bool, optional
@@ -75,6 +80,14 @@ class LoopOptions(Checked):
         most=FASTEST,
     )
     periods: int = option(1, "Write so many periods, one after the other.", least=1, most=1000)
+    start: float | str = option(
+        0.0,
+        "Where the loop begins: the left or right foot's contact, a phase of the cycle, or what a "
+        "frame of the capture shows; 0 is the left contact, or the largest event.",
+        least=0,
+        below=1,
+        form="left|right|PHASE|frame:N",
+    )
     in_place: bool | None = option(None, "Leave the root's travel and turning out.")
     repeat_first: bool | None = option(
         None, "Let the last frame repeat the first; in a glTF or FBX file it always does."
@@ -108,6 +121,7 @@ class LoopOptions(Checked):
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
         checked_format(self._format)
+        checked_start(self.start)
         profiles[self.profile]  # refuses a name that is not known
 
     @property

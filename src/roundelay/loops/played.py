@@ -50,7 +50,7 @@ def player_record(told: dict[str, Any], cycle: Cycle, written: LoopOptions) -> d
 def _events(told: dict[str, Any]) -> list[dict[str, Any]]:
     """List moments of one period by name, in order of time."""
     count, rate = told["frames_per_period"], told["fps"]
-    found = [(f"phase {one['phase']:g}", one["frame"]) for one in told["markers"]]
+    found = [(one["name"], one["frame"]) for one in told["markers"]]
     for foot, stands in told["contacts"].items():
         for start, stop in stands:
             # A foot that never leaves the ground has no moment at which it comes down.

@@ -12,6 +12,7 @@ from roundelay.base.spans import closed_spans
 from roundelay.cycles.contacts import standing_feet
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.separate import Mended
+from roundelay.cycles.events import event_markers
 from roundelay.geometry.collision import collisions
 from roundelay.loops.played import player_record
 from roundelay.motion.motion import Motion
@@ -64,7 +65,8 @@ class Generic:
             ``loop``: that the frame after the last is the first, moved on by the root motion;
             ``frames`` of all periods and of one, without a repeated first; ``root_motion`` of one
             period: displacement in the file's world and unit, turning in degrees, whether it is
-            in the file; ``markers``: frames of quarter phases; ``contacts``: a list a foot, by
+            in the file; ``markers``: frames of quarter phases and of the feet's
+            events; ``contacts``: a list a foot, by
             its joint, of half-open ranges of frames in which it stands, the second number beyond
             the period where it stands across the seam; what `limb_record` tells of one period,
             and `roundelay.loops.played.player_record` of the file.
@@ -84,7 +86,11 @@ class Generic:
                 "up": "XYZ"[cycle.up],
                 "in_file": not written.in_place,
             },
-            "markers": [{"phase": phase, "frame": frame} for phase, frame in markers],
+            "markers": [
+                {"name": f"phase {phase:g}", "phase": phase, "frame": frame}
+                for phase, frame in markers
+            ]
+            + event_markers(cycle, count),
             "contacts": foot_contacts(cycle, rate),
         } | limb_record(cycle.sample(rate, foot_lock=written.foot_lock), mended)
         return player_record(told, cycle, written)

@@ -15,6 +15,7 @@ from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import mapped, mirrored
 from roundelay.cycles.edit.separate import Mended, repaired, repaired_motion, source_parts
+from roundelay.cycles.events import started
 from roundelay.formats import checked_format, files_written, write
 from roundelay.loops.exported import exported
 from roundelay.loops.lint import odd_rate
@@ -169,7 +170,7 @@ def rendered(cycle: Cycle, sources: Sequence[Motion], render: LoopOptions) -> Re
     SkeletonMismatch
         If it shall be mirrored, and a joint of one side has no partner on the other.
     """
-    cycle = placed(cycle, render)
+    cycle = placed(started(cycle, render.start), render)
     parted: tuple[Mended, ...] = ()
     if render.repair:
         cycle, parted = repaired(cycle, [placed(each, render) for each in sources])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
-__all__ = ["FIT", "GAIT", "LINT", "QUALITY", "UNITS", "VERDICT"]
+__all__ = ["BY_HAND", "FIT", "GAIT", "LINT", "QUALITY", "UNITS", "VERDICT"]
 
 
 @dataclass(frozen=True)
@@ -89,17 +89,30 @@ class _Verdict(Thresholds):
         unit="share of a limb's amplitude in the usual repetition",
         origin="measured: no loop of 86 captures is below",
     )
-    moves: float = constant(
-        0.02,
-        unit="body sizes, RMS",
-        origin="of a limb that moves by less no part is missed; " + BY_EYE,
-    )
     repetitions: float = constant(
         2.0, unit="repetitions", origin="fewer were not averaged all around; two were"
     )
 
 
 VERDICT = _Verdict()
+
+
+@dataclass(frozen=True)
+class _ByHand(Thresholds):
+    """Loops of frames that a person chose."""
+
+    near: float = constant(
+        0.15, unit="share of the range", origin="how far its ends may be moved; " + BY_EYE
+    )
+    shortest: float = constant(
+        0.3, unit="seconds", origin="a step of a run lasts as long; nothing shorter is a loop"
+    )
+    speed: float = constant(
+        0.1, unit="seconds", origin="by which speeds are weighed against poses; " + BY_EYE
+    )
+
+
+BY_HAND = _ByHand()
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.errors import SkeletonMismatch
 from roundelay.base.numeric import TINY
 from roundelay.geometry import rotations as rot
-from roundelay.geometry.contacts import Foot, contacts, find_feet, foot_points
+from roundelay.geometry.contacts import Foot, contacts, find_feet, foot_points, left_and_right
 from roundelay.geometry.kinematics import forward_kinematics, heading
 from roundelay.geometry.skeleton import Skeleton
-from roundelay.geometry.symmetry import partners
 from roundelay.loops.thresholds import GAIT, LINT
 from roundelay.motion.motion import Motion
 
@@ -24,7 +22,6 @@ __all__ = [
     "body_path",
     "climb_of",
     "gait_of",
-    "left_and_right",
     "seen",
     "steps_of",
 ]
@@ -221,24 +218,3 @@ def gait_of(loop: Seen, count: int, below: Array) -> Gait | None:
         return None
     phase = float(-np.angle(waves[strides]) / (2 * np.pi)) % 1.0
     return Gait(strides, reach, phase)
-
-
-def left_and_right(skeleton: Skeleton, legs: tuple[Foot, ...]) -> tuple[int, int] | None:
-    """Return the numbers of two feet that are partners, the left one first; None without such."""
-    try:
-        other = partners(skeleton)
-    except SkeletonMismatch:
-        return None
-    number = {foot.ankle: place for place, foot in enumerate(legs)}
-    for ankle, place in number.items():
-        there = int(other[ankle])
-        if there != ankle and there in number:
-            left = _is_left(skeleton.names[ankle], skeleton.names[there])
-            return (place, number[there]) if left else (number[there], place)
-    return None
-
-
-def _is_left(name: str, partner: str) -> bool:
-    """Tell which of two names that differ in their side alone is the left one."""
-    differing = next(x for x, y in zip(name.lower(), partner.lower(), strict=False) if x != y)
-    return differing == "l"

@@ -13,13 +13,13 @@ from roundelay.base.checks import expected
 from roundelay.base.numeric import SMALLEST
 from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.swings import swings
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import Foot, find_feet, foot_points, skate
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.loops.quality import Quality
 from roundelay.loops.thresholds import VERDICT
 from roundelay.loops.units import Lengths
-from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
 from roundelay.timeline.evidence import Evidence
 from roundelay.timeline.limbs import Limb, body_of
@@ -125,11 +125,11 @@ def verdict_of(
         raise ValueError("expected a cycle found in a capture, with its evidence")
     motion, limbs = motion.with_root_motion(), body_of(motion).limbs
     played = _Played(cycle, loop.with_root_motion(), in_place)
-    parts, lengths = _repetitions(cycle.evidence, motion), Lengths.of(motion.skeleton)
+    lengths = Lengths.of(motion.skeleton)
     faults = [
         *_jerks(played),
         *_slides(played, motion, limbs, lengths),
-        *_lost_swings(played, parts, limbs),
+        *_lost_swings(played, motion, cycle.evidence),
         *_climbs(cycle, lengths),
         *_seen_seldom(figures.repetitions),
     ]
@@ -192,34 +192,12 @@ def _name(foot: Foot, limbs: Sequence[Limb], names: Sequence[str]) -> str:
     return names[foot.joint]
 
 
-def _repetitions(evidence: Evidence, motion: Motion) -> list[Array]:
-    """Return the poses (n, 3 (J - 1)) of every whole repetition; of parts where none is whole."""
-    points, frames = point_cloud(motion), evidence.period
-    return [
-        points[round(start + k * frames) : round(start + (k + 1) * frames)]
-        for start, stop in evidence.runs
-        for k in range(max(1, int((stop - start) / frames)))
-    ]
-
-
-def _lost_swings(
-    played: _Played, repetitions: Sequence[Array], limbs: Sequence[Limb]
-) -> Iterator[_Fault]:
+def _lost_swings(played: _Played, motion: Motion, evidence: Evidence) -> Iterator[_Fault]:
     """Tell the limbs that move less than in the usual repetition."""
-    shown = point_cloud(played.loop[: played.period])
-    for limb in limbs:
-        usual = float(np.median([_amplitude(one, limb) for one in repetitions]))
-        kept = _amplitude(shown, limb) / max(usual, SMALLEST)
-        if usual > VERDICT.moves and kept < VERDICT.kept:
-            reason = f"{limb.name} keeps {kept:.0%} of its movement"
-            yield _Fault(reason, kept < VERDICT.lost)
-
-
-def _amplitude(points: Array, limb: Limb) -> float:
-    """Return how far a limb's joints are from their mean places, RMS over frames and joints."""
-    # The root is no point of a pose.
-    own = points.reshape(len(points), -1, 3)[:, np.array(limb.joints) - 1]
-    return float(np.sqrt(own.var(axis=0).sum(axis=-1).mean()))
+    for swing in swings(played.loop[: played.period], motion, evidence):
+        if swing.kept < VERDICT.kept:
+            reason = f"{swing.limb} keeps {swing.kept:.0%} of its movement"
+            yield _Fault(reason, swing.kept < VERDICT.lost)
 
 
 def _climbs(cycle: Cycle, lengths: Lengths) -> Iterator[_Fault]:

@@ -59,6 +59,7 @@ def cycle_record(cycle: Cycle, figures: Quality, files: Sequence[Path] = ()) -> 
     record: dict[str, Any] = {
         "period_seconds": cycle.period,
         "period_frames": cycle.period * cycle.fps,
+        "method": cycle.method,
         "travel": cycle.travel.tolist(),
         "turning_degrees": float(np.degrees(cycle.turning)),
         "quality": {name: _finite(value) for name, value in asdict(figures).items()},

@@ -89,6 +89,17 @@ class HarmonicCurve:
         inner = spectrum[bins]
         return cls(frequencies, spectrum[0].real, -2.0 * inner.imag, 2.0 * inner.real)
 
+    def shifted(self, offset: float) -> HarmonicCurve:
+        """Return the curve that has at every phase x the value of this one at x + offset."""
+        angle = 2 * np.pi * self.frequencies[:, None] * offset
+        cosine, sine = np.cos(angle), np.sin(angle)
+        return HarmonicCurve(
+            self.frequencies,
+            self.constant,
+            cosine * self.sine - sine * self.cosine,
+            sine * self.sine + cosine * self.cosine,
+        )
+
     def integral(self, phase: ArrayLike) -> Array:
         """Return the integral over phase from 0, (n, d), the constant's included."""
         x = np.asarray(phase, float)

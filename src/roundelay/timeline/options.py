@@ -130,8 +130,9 @@ class Options(Checked):
         Return this many cycles at most, best first.
     method : str
         How poses become a cycle, by the name of a cycle model: "harmonic" (regression of
-        quaternions), "centroid" ([A] 4.4), "paper" ([C]'s weighted regression of angles, eq.
-        3.14), or one that a plug-in brings.
+        quaternions), "take" (the most typical repetition as it was played), "auto" (the first, or
+        the second where a limb would lose a fifth of its movement), "centroid" ([A] 4.4), "paper"
+        ([C]'s weighted regression of angles, eq. 3.14), or one that a plug-in brings.
     harmonics : int, optional
         Number of harmonics of the cycle; by default what the period can need, and [C]'s 20
         with the method "paper".
@@ -177,9 +178,10 @@ class Options(Checked):
         None, "At most so many periodic motions, the surest first.", least=1, label="Max Loops"
     )
     method: str = option(
-        "harmonic",
-        "harmonic: a smooth regression; centroid: means of poses, as in [A]; paper: the weighted "
-        "regression of [C].",
+        "auto",
+        "auto: harmonic, or take where a limb would lose a fifth of its movement; harmonic: a "
+        "smooth mean; take: the most typical repetition as it was played; centroid: means of "
+        "poses, as in [A]; paper: the weighted regression of [C].",
     )
     harmonics: int | None = option(None, "Harmonics of the cycle.", least=1, most=500)
     velocity: bool = option(True, "Constrain the method paper by velocities, as [C].")

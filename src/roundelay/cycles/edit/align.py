@@ -54,24 +54,15 @@ class Alignment:
 
 def shifted(cycle: Cycle, offset: float) -> Cycle:
     """Return the cycle that begins at phase `offset` of this one."""
-    moved = None if cycle.translations is None else _shifted(cycle.translations, offset)
+    moved = None if cycle.translations is None else cycle.translations.shifted(offset)
     return replace(
         cycle,
-        pose=_shifted(cycle.pose, offset),
-        odd_pose=None if cycle.odd_pose is None else _shifted(cycle.odd_pose, offset),
-        velocity=_shifted(cycle.velocity, offset),
-        height=_shifted(cycle.height, offset),
+        pose=cycle.pose.shifted(offset),
+        odd_pose=None if cycle.odd_pose is None else cycle.odd_pose.shifted(offset),
+        velocity=cycle.velocity.shifted(offset),
+        height=cycle.height.shifted(offset),
         translations=moved,
-    )
-
-
-def _shifted(curve: HarmonicCurve, offset: float) -> HarmonicCurve:
-    angle = 2 * np.pi * curve.frequencies[:, None] * offset
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return replace(
-        curve,
-        sine=cosine * curve.sine - sine * curve.cosine,
-        cosine=sine * curve.sine + cosine * curve.cosine,
+        phase=None if cycle.phase is None else cycle.phase - offset,
     )
 
 

@@ -91,6 +91,8 @@ class CycleSpace:
             turning=float(w @ [cycle.turning for cycle in self.cycles]),
             translations=_combined(self._translations, w) if self._translations else None,
             evidence=None,
+            phase=None,
+            method="",
         )
 
     @one_thread

@@ -50,18 +50,19 @@ def centroid_cycle(
 ) -> Cycle:
     """Replace the poses of a cycle by centroids of the capture's nearest poses in phase.
 
-    1. The density of the circular coordinate is a Gaussian mixture of 30 components; `samples`
-       coordinates part it into equal shares, so that they follow each other evenly in time.
-    2. At each, the `neighbours` frames nearest in the coordinate are averaged: rotations on the
-       sphere, the root's without the drift of its heading.
-    3. The closed polygon of centroids is interpolated by its Fourier series.
+    1. The density of the cycle's phase is a Gaussian mixture of 30 components; `samples` phases
+       part it into equal shares.
+    2. At each, the `neighbours` frames nearest in phase are averaged: rotations on the sphere, the
+       root's without the drift of its heading.
+    3. The closed polygon of centroids is gone along evenly in phase, so that the poses keep in
+       step with the travel, and interpolated by its Fourier series.
 
     Travel, height and period stay those of the cycle ([A] leaves them out).
 
     Parameters
     ----------
     cycle : Cycle
-        Found in the capture, with its evidence.
+        Found in the capture, with its evidence and phase.
     motion : Motion
         The capture.
     samples, neighbours : int, optional
@@ -79,17 +80,17 @@ def centroid_cycle(
     ValueError
         If the cycle carries no evidence, or there are fewer frames than neighbours.
     """
-    if cycle.evidence is None:
-        raise ValueError("expected a cycle found in a capture, with its evidence")
+    if cycle.evidence is None or cycle.phase is None:
+        raise ValueError("expected a cycle found in a capture, with its evidence and phase")
     samples = CENTROID.samples if samples is None else samples
     neighbours = CENTROID.neighbours if neighbours is None else neighbours
     frames = cycle.evidence.runs.frames
     if not 1 <= neighbours <= len(frames):
         raise ValueError(f"expected 1 to {len(frames)} neighbours, found {neighbours}")
-    theta = cycle.evidence.turns[frames] % 1.0
+    theta = cycle.phase[frames] % 1.0
     harmonics = highest_harmonic(cycle.period)
     followed = followed_poses(
-        motion.with_root_motion(), cycle.evidence.turns, cycle.evidence.runs, harmonics
+        motion.with_root_motion(), cycle.phase, cycle.evidence.runs, harmonics
     )
     local = followed.local[frames]
     places = fit_circular_mixture(theta).quantiles(samples)
@@ -99,8 +100,16 @@ def centroid_cycle(
     if flips.any():
         names = [cycle.skeleton.names[joint] for joint in np.flatnonzero(flips)]
         raise ValueError(f"joints that make whole turns have no centroid: {', '.join(names)}")
-    pose = HarmonicCurve.through(closed.reshape(samples, -1))
+    even = _evenly(places, closed.reshape(samples, -1))
+    pose = HarmonicCurve.through(even)
     return replace(cycle, pose=pose, odd_pose=None)
+
+
+def _evenly(places: Array, values: Array) -> Array:
+    """Return values (n, d) at phases 0, 1 / n, ... on the polygon through those at places."""
+    phase = np.arange(len(places)) / len(places)
+    columns = [np.interp(phase, places, column, period=1.0) for column in values.T]
+    return np.stack(columns, axis=-1)
 
 
 def _centroid(local: Array, theta: Array, place: float, neighbours: int, gaussian: bool) -> Array:

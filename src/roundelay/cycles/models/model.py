@@ -33,7 +33,8 @@ class CycleModel(Protocol):
         motion : Motion
             The capture, its travel in the root.
         phase : (F,) ndarray
-            In turns, proportional to time; NaN outside the frames that count.
+            In turns, proportional to time; NaN outside the frames that count. It becomes
+            `Cycle.phase`, unless the model puts there what it fitted by instead.
         evidence : Evidence
             What was found; `Evidence.runs` are the frames that count. It goes into the cycle.
         options : Options

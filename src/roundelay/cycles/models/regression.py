@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.spans import Span
+from roundelay.base.spans import Span, Spans
 from roundelay.base.threads import one_thread
 from roundelay.cycles.continuity import Followed, fit_poses, followed_poses
 from roundelay.cycles.cycle import Cycle
@@ -94,7 +94,16 @@ def fit_cycle(
         translations=moved,
         name=motion.name,
         evidence=evidence,
+        phase=_within(turns, runs),
     )
+
+
+def _within(turns: Array, runs: Sequence[Span]) -> Array:
+    """Return the phase (F,) of the frames in runs, NaN elsewhere."""
+    inside = Spans(runs).frames
+    phase = np.full(len(turns), np.nan)
+    phase[inside] = turns[inside]
+    return phase
 
 
 def _fit_path(

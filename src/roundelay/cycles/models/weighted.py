@@ -106,12 +106,17 @@ def paper_cycle(
     climbs = cycle.velocity.constant[cycle.up] != 0.0
     keep = (np.arange(3) != cycle.up) | climbs
     even, odd = _poses(centre, angles)
+    moved = None
+    if motion.translations is not None:
+        moved = fit(motion.translations[inside].reshape(len(inside), -1)).curve
     return replace(
         cycle,
         pose=even,
         odd_pose=odd,
         velocity=_velocity(travel, keep),
         height=cycle.height if climbs else height,
+        translations=moved,
+        phase=phase,
     )
 
 

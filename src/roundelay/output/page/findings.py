@@ -19,7 +19,6 @@ from roundelay.output.page.capture import sampling_step
 from roundelay.output.page.feet import loop_feet
 from roundelay.output.page.packing import Packer
 from roundelay.output.page.table import quality_rows
-from roundelay.phase.tempo import time_phase
 from roundelay.timeline.evidence import Evidence, class_coordinate, turns_of
 from roundelay.topology.rips import Barcode
 
@@ -49,7 +48,8 @@ def loop_data(
         Name for the loop when it is saved.
     """
     cycle = loop.cycle
-    evidence = cast("Evidence", cycle.evidence)  # a loop is made of what was found
+    # A loop is made of what was found, by the phase of its frames.
+    evidence, phase = cast("Evidence", cycle.evidence), cast("Array", cycle.phase)
     record = _evidence(motion, evidence, packer, cycle)
     return record | {
         "verdict": str(loop.verdict),
@@ -59,7 +59,7 @@ def loop_data(
         "limbs": list(evidence.partial),
         "travel": float(np.linalg.norm(cycle.travel)) / space.size,
         "turning": float(np.degrees(cycle.turning)),
-        "loop": _loop(motion, cycle, evidence, space, packer),
+        "loop": _loop(motion, cycle, phase, space, packer),
         "quality": quality_rows(loop.quality),
         "file": file,
         "bvh": _bvh(loop, packer),
@@ -146,26 +146,17 @@ def _plane(
 
 
 def _loop(
-    motion: Motion, cycle: Cycle, evidence: Evidence, space: Space, packer: Packer
+    motion: Motion, cycle: Cycle, phase: Array, space: Space, packer: Packer
 ) -> dict[str, Any]:
     """Sample one period, its end included, and the phase of the capture's frames in it."""
     count = int(np.clip(round(cycle.period * _LOOP_FPS), 8, _LOOP_FRAMES))
     period = cycle.at(np.arange(count + 1) / count, frame_time=1.0 / _LOOP_FPS)
-    phase = _phase(motion.with_root_motion(), evidence)
     return {
         "points": packer.add(space.points(period).reshape(count + 1, -1), common_step=True),
         "turning": cycle.turning,
         "feet": loop_feet(cycle),
         "phase": packer.add(np.nan_to_num(phase[:: sampling_step(motion)])),
     }
-
-
-def _phase(motion: Motion, evidence: Evidence) -> Array:
-    """Return the phase of the cycle (F,) that shows each frame's pose."""
-    if evidence.closed:
-        return evidence.turns
-    points, turns = point_cloud(motion), evidence.turns
-    return time_phase(points, turns, evidence.runs, frame_time=motion.frame_time)
 
 
 def _bvh(loop: Loop, packer: Packer) -> dict[str, Any]:

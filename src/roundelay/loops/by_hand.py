@@ -1,0 +1,277 @@
+"""Loops of frames that a person chose, of what does not repeat: ends joined, or there and back.
+
+Joining is inertial blending, as games do it (Bollo 2018, "Inertialization: high-performance
+animation transitions in Gears of War"): behind the join the motion goes on at the pose and the
+speed that it had before, and the difference to what is played then dies away as a quintic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.base.checks import expected
+from roundelay.base.errors import TooShort
+from roundelay.base.options import Checked, option
+from roundelay.base.spans import Span
+from roundelay.base.threads import one_thread
+from roundelay.cycles.thresholds import CYCLE
+from roundelay.geometry import rotations as rot
+from roundelay.geometry.kinematics import heading
+from roundelay.loops.thresholds import BY_HAND
+from roundelay.motion.features import point_cloud
+from roundelay.motion.motion import Motion, concatenate
+
+__all__ = ["ByHand", "CloseOptions", "close_by_hand"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CloseOptions(Checked):
+    """Choices of how frames are closed to a loop.
+
+    Parameters
+    ----------
+    fade : float
+        Seconds in which a join dies away, or a turning point is eased.
+    ping_pong : bool
+        Play the frames there and back, for idles, instead of joining their ends.
+    """
+
+    title: ClassVar[str] = "How frames are closed"
+
+    fade: float = option(
+        0.3,
+        "How long it takes a join to die away, or to turn about at an end.",
+        unit="seconds",
+        above=0,
+        most=10,
+    )
+    ping_pong: bool = option(False, "Play the frames there and back instead of joining their ends.")
+
+
+@dataclass(frozen=True, eq=False)
+class ByHand:
+    """A loop of frames that a person chose.
+
+    Attributes
+    ----------
+    loop : Motion
+        One period, the body's motion in its root.
+    again : Motion
+        One frame: the first one as it comes again after the last.
+    asked, frames : (int, int)
+        The frames asked for, and those taken, half-open.
+    ping_pong : bool
+    apart : float
+        How far the poses at the join were apart, RMS over joints in body sizes; 0 there and back.
+    largest : float
+        The largest angle in radians by which a joint was turned to close the loop.
+    """
+
+    loop: Motion
+    again: Motion
+    asked: Span
+    frames: Span
+    ping_pong: bool
+    apart: float
+    largest: float
+
+    def repeated(self) -> Motion:
+        """Return the loop with the frame that repeats the first, as players need it."""
+        return concatenate([self.loop, self.again])
+
+    def record(self) -> dict[str, Any]:
+        """Describe it as plain data."""
+        way = self.again.root_path[0] - self.loop.root_path[0]
+        turned = rot.multiply(self.again.rotations[0, 0], rot.conjugate(self.loop.rotations[0, 0]))
+        return {
+            "kind": "closed by hand",
+            "asked": list(self.asked),
+            "frames": list(self.frames),
+            "ping_pong": self.ping_pong,
+            "period_seconds": self.loop.duration,
+            "travel": way.tolist(),
+            "turning_degrees": float(np.degrees(heading(turned, self.loop.up))),
+            "poses_apart": self.apart,
+            "largest_degrees": float(np.degrees(self.largest)),
+        }
+
+
+@one_thread
+def close_by_hand(motion: Motion, frames: Span, options: CloseOptions | None = None) -> ByHand:
+    """Make a loop of frames that a person chose.
+
+    The ends are moved by up to .15 of the range to where they fit best: where pose and speed are
+    most alike, or, there and back, where it is slowest.
+
+    Parameters
+    ----------
+    motion : Motion
+    frames : (int, int)
+        Half-open.
+    options : CloseOptions, optional
+
+    Returns
+    -------
+    ByHand
+
+    Raises
+    ------
+    ValueError
+        If the frames are not all there.
+    TooShort
+        If they last shorter than a step.
+    """
+    options, motion = options or CloseOptions(), expected(Motion, motion).with_root_motion()
+    _check(motion, frames)
+    points, speeds = _told(motion)
+    starts, stops = _near(motion, frames)
+    if options.ping_pong:
+        pace = np.linalg.norm(speeds, axis=1) + _root_pace(motion)
+        taken = (
+            int(starts[np.argmin(pace[starts])]),
+            int(stops[np.argmin(pace[stops])]),
+        )
+        return _there_and_back(motion, frames, taken, options.fade)
+    taken = _most_alike(np.hstack([points, BY_HAND.speed * speeds]), motion, starts, stops)
+    apart = float(np.sqrt(3 * np.mean((points[taken[1]] - points[taken[0]]) ** 2)))
+    return _joined(motion, frames, taken, options.fade, apart)
+
+
+def _shortest(motion: Motion) -> int:
+    return max(2, int(np.ceil(BY_HAND.shortest * motion.fps)))
+
+
+def _check(motion: Motion, frames: Span) -> None:
+    start, stop = frames
+    if not 0 <= start < stop <= len(motion):
+        raise ValueError(f"expected frames within 0 and {len(motion)}, found {start} to {stop}")
+    if stop - start < _shortest(motion):
+        raise TooShort(
+            f"frames {start}-{stop} last {(stop - start) / motion.fps:.2f} s, shorter than a step "
+            f"({BY_HAND.shortest:g} s)"
+        )
+
+
+def _told(motion: Motion) -> tuple[Array, Array]:
+    """Return poses (F, d) and their speeds a second."""
+    points = point_cloud(motion)
+    return points, np.gradient(points, axis=0) * motion.fps
+
+
+def _root_pace(motion: Motion) -> Array:
+    """Return how fast the root goes (F,), in body sizes a second."""
+    steps = np.gradient(motion.root_path, axis=0) * motion.fps / motion.skeleton.size
+    return np.asarray(np.linalg.norm(steps, axis=1))
+
+
+def _near(motion: Motion, frames: Span) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return where a loop may begin, and the frames that may follow its last as the first."""
+    reach, last = round(BY_HAND.near * (frames[1] - frames[0])), len(motion) - 1
+    ends = [np.unique(np.clip(end + np.arange(-reach, reach + 1), 0, last)) for end in frames]
+    shortest = min(_shortest(motion), int(ends[1][-1] - ends[0][0]))
+    starts = ends[0][ends[0] <= ends[1][-1] - shortest]
+    return starts, ends[1][ends[1] >= starts[-1] + shortest]
+
+
+def _most_alike(
+    told: Array, motion: Motion, starts: NDArray[np.intp], stops: NDArray[np.intp]
+) -> Span:
+    """Return the start and the stop at which what is told (F, d) is most alike."""
+    ours, theirs = told[starts], told[stops]
+    squares = np.sum(ours**2, axis=1)[:, None] + np.sum(theirs**2, axis=1) - 2 * ours @ theirs.T
+    start, stop = np.unravel_index(np.argmin(squares), squares.shape)
+    return int(starts[start]), int(stops[stop])
+
+
+def _joined(motion: Motion, asked: Span, taken: Span, fade: float, apart: float) -> ByHand:
+    """Let what the ends lack to meet die away behind the join."""
+    start, stop = taken
+    gained = rot.multiply(motion.rotations[stop, 0], rot.conjugate(motion.rotations[start, 0]))
+    back = rot.from_rotation_vector(-heading(gained, motion.up) * motion.up_vector)
+    count = min(max(2, round(fade * motion.fps)), stop - start)
+    turns = _fading_turns(motion, taken, back, count)
+    path = motion.root_path[start:stop].copy()
+    path[:count] += _fading_path(motion, taken, back, count)
+    rotations = motion.rotations[start:stop].copy()
+    rotations[:count] = rot.multiply(rotations[:count], rot.from_rotation_vector(turns))
+    moved = motion.translations
+    if moved is not None:
+        lack, slower = moved[stop] - moved[start], _slope(moved, stop) - _slope(moved, start)
+        moved = moved[start:stop].copy()
+        moved[:count] += _dying(lack, slower, count)
+    loop = replace(motion, rotations=rotations, root_path=path, translations=moved)
+    largest = float(np.linalg.norm(turns, axis=-1).max())
+    return ByHand(loop, _again(motion, taken, path[0]), asked, taken, False, apart, largest)
+
+
+def _again(motion: Motion, taken: Span, first: Array) -> Motion:
+    """Return the frame at which the loop begins again: where it stops, at the loop's height."""
+    again = motion[taken[1] : taken[1] + 1]
+    path = again.root_path.copy()
+    if not _climbs(motion, taken):
+        path[:, motion.up] = first[motion.up]
+    return replace(again, root_path=path)
+
+
+def _fading_turns(motion: Motion, taken: Span, back: Array, count: int) -> Array:
+    """Return the rotation vectors (count, J, 3) that die away."""
+    start, stop = taken
+    end = motion.rotations[stop].copy()
+    end[0] = rot.multiply(back, end[0])
+    lack = rot.to_rotation_vector(rot.multiply(rot.conjugate(motion.rotations[start]), end))
+    slower = _turning(motion.rotations, stop) - _turning(motion.rotations, start)
+    return _dying(lack, slower, count)
+
+
+def _fading_path(motion: Motion, taken: Span, back: Array, count: int) -> Array:
+    """Return the way (count, 3) that dies away: the root goes on at the speed that it had."""
+    start, stop = taken
+    before = rot.rotate(back, _slope(motion.root_path, stop))
+    lack = (motion.root_path[stop] - motion.root_path[start]) * motion.up_vector
+    lack = lack * (not _climbs(motion, taken))
+    return _dying(lack, before - _slope(motion.root_path, start), count)
+
+
+def _climbs(motion: Motion, taken: Span) -> bool:
+    heights = motion.root_path[list(taken), motion.up]
+    return bool(abs(heights[1] - heights[0]) > CYCLE.climbs * motion.skeleton.size)
+
+
+def _slope(values: Array, frame: int) -> Array:
+    """Return the change of values (F, ...) a frame."""
+    before, behind = max(frame - 1, 0), min(frame + 1, len(values) - 1)
+    return np.asarray((values[behind] - values[before]) / (behind - before))
+
+
+def _turning(rotations: Array, frame: int) -> Array:
+    """Return how joints turn a frame (J, 3), in their own axes."""
+    before, behind = max(frame - 1, 0), min(frame + 1, len(rotations) - 1)
+    turn = rot.multiply(rot.conjugate(rotations[before]), rotations[behind])
+    return rot.to_rotation_vector(turn) / (behind - before)
+
+
+def _dying(lack: Array, slower: Array, count: int) -> Array:
+    """Return the quintic (count, ...) from a value and a slope a frame to rest at 0."""
+    x = (np.arange(count) / count).reshape(-1, *[1] * lack.ndim)
+    value = 1.0 - x**3 * (10 - 15 * x + 6 * x**2)
+    slope = x - x**3 * (6 - 8 * x + 3 * x**2)
+    return np.asarray(lack * value + slower * count * slope)
+
+
+def _there_and_back(motion: Motion, asked: Span, taken: Span, fade: float) -> ByHand:
+    """Go from one end to the other and back, slowly about both."""
+    length = taken[1] - taken[0]
+    eased = min(max(2.0, fade * motion.fps), float(length))
+    along = np.arange(2 * length, dtype=float)
+    # How far it is to the nearer turning point; about it, a parabola.
+    away = np.abs((along + 0.5 * length) % length - 0.5 * length)
+    rounded = np.where(away < 0.5 * eased, away**2 / eased + eased / 4, away)
+    forth = np.abs(along - length) > 0.5 * length
+    loop = motion.at(taken[0] + np.where(forth, rounded, length - rounded))
+    return ByHand(loop, loop[:1], asked, taken, True, 0.0, 0.0)

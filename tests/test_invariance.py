@@ -10,6 +10,7 @@ import pytest
 import roundelay as rl
 from roundelay import synth
 from roundelay.cycles.edit.align import mirrored
+from roundelay.cycles.events import begun
 from roundelay.geometry import rotations as rot
 from roundelay.loops.quality import quality
 
@@ -119,7 +120,9 @@ def test_the_order_of_joints_does_not_matter(walk, cycle):
 def test_the_cycle_of_the_mirrored_motion_is_the_mirrored_cycle(walk, cycle):
     there = rl.find_cycles(walk.mirror())[0]
     assert there.period == pytest.approx(cycle.period, rel=1e-6)
-    assert np.allclose(places(there), places(mirrored(cycle)), atol=1e-3 * walk.skeleton.size)
+    assert np.allclose(
+        places(there), places(begun(mirrored(cycle))), atol=1e-3 * walk.skeleton.size
+    )
 
 
 @pytest.mark.parametrize("method", ["harmonic", "paper", "centroid"])

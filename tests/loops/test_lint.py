@@ -24,7 +24,8 @@ def cycle(request):
 
 @pytest.fixture(scope="module")
 def loop(cycle):
-    return cycle.sample(60.0)
+    # Not at the contact, where accelerations hide a small pop.
+    return cycle.sample(60.0, start=0.25)
 
 
 def names(motion, wraps=False, phase=None):

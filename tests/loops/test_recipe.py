@@ -111,8 +111,9 @@ def test_a_file_has_the_frames_that_its_format_needs(loop, tmp_path):
         loop.write(tmp_path / "loop.usd")
 
 
-def test_what_is_mirrored_and_resized_is_the_loop_as_it_is_measured(walk, loop):
-    """Feet, travel and verdict are those of what is written."""
+def test_what_is_mirrored_and_resized_is_the_loop_as_it_is_measured(walk):
+    """Feet, travel and verdict are those of what is written; the mirrored begins on its left."""
+    loop = rl.make_loops(walk, render=rl.LoopOptions(start="right"))[0]
     other = rl.make_loops(walk, render=rl.LoopOptions(mirror=True, resize=100.0))[0]
     there = loop.motion.mirror().scaled(100.0)
     assert np.abs(other.motion.positions() - there.positions()).max() < 0.01

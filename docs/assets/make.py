@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import roundelay as rl
-from roundelay import figures
+from roundelay.output import figures
 
 HERE = Path(__file__).parent
 CAPTURE = HERE.parent.parent / "data" / "captures" / "01_01.bvh"

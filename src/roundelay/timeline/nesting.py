@@ -13,7 +13,7 @@ from roundelay.timeline.chance import excess
 from roundelay.timeline.limbs import Body
 from roundelay.timeline.prediction import Predicted, within
 from roundelay.timeline.tempo import refined
-from roundelay.timeline.thresholds import CHANCE, NESTING
+from roundelay.timeline.thresholds import CHANCE, NESTING, PREDICTABILITY
 
 __all__ = ["phrase_of"]
 
@@ -49,8 +49,9 @@ def _unexplained(values: Array, count: int) -> float:
         seen = np.isfinite(own[..., :1]).sum(axis=0)
         others = (np.nansum(own, axis=0) - own) / np.maximum(seen - 1, 1)
         used = np.isfinite(own[..., 0]) & (seen[..., 0] >= 2)
-        error += float(np.sum((own - others)[used] ** 2))
-        spread += float(np.sum((own - middle)[used] ** 2))
+        floor = PREDICTABILITY.least**2 * float(used.sum())
+        error += float(np.sum((own - others)[used] ** 2)) + floor
+        spread += float(np.sum((own - middle)[used] ** 2)) + floor
     return error / max(spread, SMALLEST)
 
 

@@ -7,9 +7,11 @@ from roundelay import (
     LiftError,
     NoPeriod,
     Options,
+    PoseArray,
     TooShort,
     TopologyOptions,
     find_cycles,
+    find_periodic,
     synth,
 )
 from roundelay.geometry import rotations as rot
@@ -76,3 +78,10 @@ def test_a_class_that_cannot_be_lifted_is_refused(monkeypatch: pytest.MonkeyPatc
     made = synth.gait("walk", repetitions=2.0, period=1.0).motion
     with pytest.raises(NoPeriod, match="lifts to no integer cocycle"):
         find_cycles(made[:120])
+
+
+def test_noise_is_no_closed_pass() -> None:
+    """In noise any two poses are a step apart, the ends as well."""
+    values = np.random.default_rng(1).normal(size=(200, 4, 3))
+    with pytest.raises(NoPeriod):
+        find_periodic(PoseArray(("a", "b", "c", "d"), values, 30.0))

@@ -51,6 +51,9 @@ def _ends_meet(clip: Array, *, chosen: bool) -> bool:
     step = max(float(np.median(steps)), own)
     if chosen:
         return way <= CLOSING.chosen * step
+    if step > moved:
+        # Where steps are as long as the poses differ, any two are a step apart: noise.
+        return False
     return way <= CLOSING.gap * step and way - CLOSING.gap * own <= CLOSING.apart * moved
 
 

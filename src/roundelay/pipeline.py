@@ -87,7 +87,7 @@ def find_cycles(
     options = chosen(Options, options)
     capture = expected(Motion, motion)
     motion = capture.with_root_motion()
-    search, found = find_evidence(motion, options, progress)
+    search, found = find_evidence(capture, options, progress)
     cycles, refused = [], []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
@@ -106,6 +106,7 @@ def make_loops(
     motion: Motion,
     search: Options | None = None,
     render: LoopOptions | None = None,
+    *,
     progress: Progress | None = None,
 ) -> list[Loop]:
     """Make the loops of a capture, as ``roundelay loop`` writes them.
@@ -273,14 +274,15 @@ def with_periods(
     motion : Motion
         The capture that was cut.
     options : Options, optional
-        Of the search inside each segment; `roundelay.find_cycles` takes the same.
+        Of the search in the whole capture; `roundelay.find_cycles` takes the same.
     progress : callable, optional
         Called with the fraction done and the stage's name; returning False cancels.
 
     Returns
     -------
     Segmentation
-        With `Segment.period` in seconds, of the motion that fills most of the segment.
+        With `Segment.period` in seconds, of the behaviour that fills most of the segment; None
+        where none fills half of it.
 
     Raises
     ------

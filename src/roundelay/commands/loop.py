@@ -167,7 +167,7 @@ def _loops(
     from roundelay.segmentation import segment
 
     if not per_behaviour:
-        return make_loops(motion, search, written, progress)
+        return make_loops(motion, search, written, progress=progress)
     if search.frames is not None:
         raise ValueError("expected --frames or --per-behaviour, found both")
     cycles = cycles_in_segments(segment(motion), motion, search, progress=progress)

@@ -73,7 +73,7 @@ def _page(
 
     segmentation = _segmentation(motion)
     try:
-        loops = make_loops(motion, search, written, progress)
+        loops = make_loops(motion, search, written, progress=progress)
     except NoPeriod as refusal:
         text = build_page(motion, refusal=refusal, segmentation=segmentation)
         return text, "no periodic motion found, the page says why"

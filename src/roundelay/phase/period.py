@@ -41,27 +41,23 @@ def line_period(turns: ArrayLike, runs: Sequence[Span]) -> float:
 def return_period(turns: ArrayLike, runs: Sequence[Span]) -> float:
     """Return the median time, in frames, in which the coordinate gains one turn.
 
-    Needs no uniformity of the coordinate, unlike `line_period`. Where several runs make a turn
-    only together, it is their frames a turn.
+    Needs no uniformity of the coordinate, unlike `line_period`.
 
     Raises
     ------
     TooShort
-        If they make no whole turn.
+        If no run makes a whole turn.
     """
-    times, made, frames_of_all = [], 0.0, 0
+    times = []
     for start, stop in runs:
         risen = rising(np.asarray(turns, float)[start:stop])
         frames = np.arange(stop - start, dtype=float)
         back = np.interp(risen + 1.0, risen, frames, right=np.nan)
         times.append(back - frames)
-        made, frames_of_all = made + float(risen[-1] - risen[0]), frames_of_all + stop - start
     gained = np.concatenate(times)
     gained = gained[np.isfinite(gained)]
     if len(gained) == 0:
-        if made < 1.0:
-            raise TooShort("the motion does not complete one period")
-        return frames_of_all / made
+        raise TooShort("the motion does not complete one period")
     return float(np.median(gained))
 
 

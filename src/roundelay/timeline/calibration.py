@@ -63,7 +63,7 @@ def tests_of(body: Body, one: Predicted) -> tuple[Test, ...]:
     body : Body
     one : Predicted
     """
-    seen = body.seen[:, body.joints(one.claimed)].reshape(len(body), -1).astype(float)
+    seen = body.seen_of(one.claimed)
     once, above_half, above_twice = margins(seen, one.runs, one.period)
     return (
         Test("comes_back", once, JUDGEMENT.correlation),

@@ -9,16 +9,12 @@ correlation times beside the repetitions.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from roundelay.base.numeric import SMALLEST
 from roundelay.timeline.limbs import Body
-from roundelay.timeline.prediction import Predicted
+from roundelay.timeline.prediction import Predicted, dimension, microscale
 from roundelay.timeline.thresholds import CHANCE
 
 __all__ = ["excess"]
-
-Array = NDArray[np.float64]
 
 
 def excess(body: Body, one: Predicted) -> float:
@@ -30,8 +26,8 @@ def excess(body: Body, one: Predicted) -> float:
     one : Predicted
         With at least one limb claimed, and its period refined.
     """
-    own = body.signals[:, body.columns(tuple(np.flatnonzero(one.claimed).tolist()))]
-    numbers = one.again * _dimension(own) / (np.pi * one.slowness)
+    own = body.signals_of(one.claimed)
+    numbers = one.again * dimension(own) / (np.pi * one.slowness)
     # Of R repetitions that are unlike, each differs from the mean of the others by R / (R - 1).
     showings = max(2.0, one.repetitions)
     unlike = (1.0 - one.explained) * (showings - 1.0) / showings
@@ -39,19 +35,6 @@ def excess(body: Body, one: Predicted) -> float:
     warped, plain = (max(each, CHANCE.exact) for each in (unlike, 1.0 - one.agrees))
     share = min(1.0, float(warped ** (1.0 - CHANCE.plain) * plain**CHANCE.plain))
     elsewhere = max(0.0, len(own) - sum(stop - start for start, stop in one.runs))
-    places = 1.0 + elsewhere / (np.pi * _correlation_time(own))
+    places = 1.0 + elsewhere / (np.pi * microscale(own, np.diff(own, axis=0)))
     information = 0.5 * (share - 1.0 - np.log(share))
     return float(numbers * information - np.log(places))
-
-
-def _dimension(values: Array) -> float:
-    """Return the participation ratio of the variances along principal axes."""
-    centred = values - values.mean(axis=0)
-    covariance = centred.T @ centred
-    return float(np.trace(covariance) ** 2 / max(float(np.sum(covariance**2)), SMALLEST))
-
-
-def _correlation_time(values: Array) -> float:
-    """Return the deviation over that of the change from sample to sample, in samples."""
-    change = float(np.sum(np.mean(np.diff(values, axis=0) ** 2, axis=0)))
-    return float(np.sqrt(np.sum(np.var(values, axis=0)) / max(change, SMALLEST)))

@@ -173,7 +173,7 @@ def _phased(cloud: PoseCloud, behaviour: Behaviour, frames: int) -> Evidence:
     runs = behaviour.spans
     moved = sum(float(turns[b - 1] - turns[a]) for a, b in runs)
     return replace(
-        first, turns=turns, period=return_period(turns, runs), net=moved, total=moved, aligned=True
+        first, turns=turns, period=_turn_time(turns, runs), net=moved, total=moved, aligned=True
     )
 
 
@@ -181,6 +181,20 @@ def _turns_with(found: Evidence, behaviour: Behaviour) -> bool:
     """Tell whether a coordinate runs steadily, and turns once a repetition."""
     apart = abs(np.log(max(found.net, TINY) / behaviour.repetitions))
     return bool(apart < np.log1p(EVIDENCE.turns) and found.steadiness >= EVIDENCE.steady)
+
+
+def _turn_time(turns: Array, runs: Spans) -> float:
+    """Return the frames of a turn, also where runs go around the circle only together.
+
+    Raises
+    ------
+    TooShort
+        If they do not.
+    """
+    try:
+        return return_period(turns, runs)
+    except TooShort:
+        return phase_map(turns, runs).period
 
 
 def passages_of(behaviour: Behaviour, frames: int) -> Array:
@@ -280,7 +294,7 @@ def follow(
     moved = np.concatenate([np.diff(turns[a:b]) for a, b in cloud.local])
     net, total = float(moved.sum()), float(np.abs(moved).sum())
     try:
-        period = return_period(spread, cloud.runs)
+        period = _turn_time(spread, cloud.runs)
     except TooShort as error:
         raise NoPeriod(str(error), cloud.barcode) from None
     return Evidence(cloud.runs, spread, period, cloud.barcode, coordinate, net, total, cloud=cloud)

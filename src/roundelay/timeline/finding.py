@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 
-from roundelay.base.errors import NoPeriod
+from roundelay.base.errors import NoPeriod, TooShort
 from roundelay.base.progress import Progress, report
 from roundelay.base.spans import Spans
 from roundelay.motion.motion import Motion
@@ -63,6 +63,8 @@ def find_evidence(
             found.append(_measured(search, behaviour, by_hand=number == 0))
         except NoPeriod as refusal:
             refused.append(refusal)
+        except TooShort as error:
+            refused.append(NoPeriod(f"frames {behaviour.spans}: {error}"))
     if found:
         return search, found
     raise _refusal(search, told, refused)

@@ -105,6 +105,14 @@ class Body:
                 groups[name] = members
         return groups
 
+    def signals_of(self, claimed: NDArray[np.bool_]) -> Array:
+        """Return the signals (n, d) of some limbs (L,)."""
+        return self.signals[:, self.columns(tuple(np.flatnonzero(claimed).tolist()))]
+
+    def seen_of(self, claimed: NDArray[np.bool_]) -> Array:
+        """Return the joints (n, 3 J) of some limbs (L,) as one sees them; see `seen`."""
+        return self.seen[:, self.joints(claimed)].reshape(len(self), -1).astype(float)
+
     def joints(self, claimed: NDArray[np.bool_]) -> list[int]:
         """Return the joints of some limbs (L,)."""
         chosen = (limb for limb, own in zip(self.limbs, claimed, strict=True) if own)

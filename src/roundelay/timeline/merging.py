@@ -53,8 +53,7 @@ def _joined(body: Body, first: Predicted, second: Predicted) -> Predicted | None
         return None
     if abs(np.log(first.period / second.period)) > np.log1p(MERGING.tempo):
         return None
-    columns = body.columns(tuple(np.flatnonzero(claimed).tolist()))
-    signal = body.signals[:, columns]
+    signal = body.signals_of(claimed)
     shift, agrees = _best_shift(_template(signal, first), _template(signal, second))
     if agrees < MERGING.alike:
         return None

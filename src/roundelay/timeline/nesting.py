@@ -31,28 +31,32 @@ def phrase_of(body: Body, beat: Predicted) -> Predicted | None:
     start, stop = max(beat.runs, key=lambda run: run[1] - run[0])
     middle = np.nanmean(beat.times, axis=1)
     times = beat.times[(middle >= start) & (middle < stop)]
-    columns = body.columns(tuple(np.flatnonzero(beat.claimed).tolist()))
-    values = taken_at(body.signals[:, columns], times)
+    values = taken_at(body.signals_of(beat.claimed), times)
     alone = _unexplained(values, 1)
-    for count in range(2, int(len(times) / NESTING.fewest) + 1):
+    longest = PREDICTABILITY.longest * body.rate / beat.period
+    for count in range(2, int(min(len(times) / NESTING.fewest, longest)) + 1):
         if _unexplained(values, count) <= NESTING.left * alone:
             return _made_of(body, beat, times, count, (start, stop))
     return None
 
 
 def _unexplained(values: Array, count: int) -> float:
-    """Return 1 - R^2 of beats (R, n, d), each predicted by the others at its place in a phrase."""
-    error = spread = 0.0
-    middle = np.nanmean(values, axis=(0, 1))
-    for place in range(count):
-        own = values[place::count]
-        seen = np.isfinite(own[..., :1]).sum(axis=0)
-        others = (np.nansum(own, axis=0) - own) / np.maximum(seen - 1, 1)
-        used = np.isfinite(own[..., 0]) & (seen[..., 0] >= 2)
-        floor = PREDICTABILITY.least**2 * float(used.sum())
-        error += float(np.sum((own - others)[used] ** 2)) + floor
-        spread += float(np.sum((own - middle)[used] ** 2)) + floor
-    return error / max(spread, SMALLEST)
+    """Return 1 - R^2 of beats (R, n, d), each predicted by the others at its place in a phrase.
+
+    What x differs from the mean of the n - 1 others is (n x - S) / (n - 1), S being the sum.
+    """
+    missing = np.full((-len(values) % count, *values.shape[1:]), np.nan)
+    x = np.concatenate([values, missing]).reshape(-1, count, *values.shape[1:])
+    shown = np.isfinite(x[..., 0])
+    x = np.where(shown[..., None], x, 0.0)
+    times, total = shown.sum(axis=0), x.sum(axis=0)
+    twice = times >= 2
+    squares, middle = np.sum(x**2, axis=(0, 3)), x.sum(axis=(0, 1, 2)) / max(shown.sum(), 1)
+    left = times**2 * squares - times * np.sum(total**2, axis=2)
+    error = float(np.sum(left[twice] / (times[twice] - 1) ** 2))
+    around = squares - 2.0 * total @ middle + times * float(middle @ middle)
+    floor = PREDICTABILITY.least**2 * float(times[twice].sum())
+    return (error + floor) / max(float(around[twice].sum()) + floor, SMALLEST)
 
 
 def _made_of(
@@ -64,6 +68,7 @@ def _made_of(
     rows = np.concatenate([times, missing]).reshape(-1, count * phases)[:, ::count]
     long = replace(beat, times=rows, period=count * beat.period, slowness=beat.slowness / count)
     inside = within(body, long, [run])
-    if inside is None or not inside.claimed.any() or excess(body, inside) <= CHANCE.least:
+    if inside is None or not inside.claimed.any():
         return None
-    return refined(body, inside)
+    phrase = refined(body, inside)
+    return phrase if excess(body, phrase) > CHANCE.least else None

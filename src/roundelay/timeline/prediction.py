@@ -21,7 +21,7 @@ from roundelay.timeline.limbs import Body
 from roundelay.timeline.proposals.proposal import Candidate
 from roundelay.timeline.thresholds import ALIGNMENT, PREDICTABILITY, PREDICTION
 
-__all__ = ["Predicted", "predict_all", "within"]
+__all__ = ["Predicted", "dimension", "microscale", "predict_all", "within"]
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ class Predicted:
     numbers : float
         Independent numbers that were predicted.
     slowness : float
-        Standard deviation over that of the rate of change, in periods.
+        Standard deviation over that of the rate of change, in periods: 1 / (2 pi) for a sinusoid.
     limbs : (L,) ndarray
         R^2 of every limb of the body.
     amplitudes : (L,) ndarray
@@ -185,7 +185,7 @@ def _predicted(body: Body, candidate: Candidate, stretch: Stretch, aligned: Alig
     explained, seen, again, each = _left_out(_at(own, aligned.times, stretch))
     inside = np.concatenate([own[run] for run in aligned.runs.slices()])
     steps = np.concatenate([np.diff(own[run], axis=0) for run in aligned.runs.slices()])
-    dimension, slowness = _dimension(inside), _slowness(inside, steps)
+    slowness = max(microscale(inside, steps) / ALIGNMENT.samples, PREDICTION.certain)
     turns = [aligned.phase[b - 1] - aligned.phase[a] for a, b in aligned.runs]
     ends = [
         (stretch.first + stretch.step * a, stretch.first + stretch.step * b)
@@ -202,7 +202,7 @@ def _predicted(body: Body, candidate: Candidate, stretch: Stretch, aligned: Alig
         again,
         explained,
         each,
-        again * dimension / (np.pi * slowness),
+        again * dimension(inside) / (np.pi * slowness),
         slowness,
         limbs,
         amplitudes,
@@ -269,20 +269,24 @@ def _left_out(values: Array) -> tuple[float, float, float, Array]:
     return explained, float(used.sum() / ALIGNMENT.grid), again, each
 
 
-def _dimension(values: Array) -> float:
-    """Return the participation ratio of the principal axes' variances."""
+def dimension(values: Array) -> float:
+    """Return the participation ratio of the variances of signals (n, d) along principal axes."""
     centred = values - values.mean(axis=0)
     covariance = centred.T @ centred
     return float(np.trace(covariance) ** 2 / max(float(np.sum(covariance**2)), SMALLEST))
 
 
-def _slowness(values: Array, steps: Array) -> float:
-    """Return sigma / sigma' in periods (Taylor's microscale): 1 / (2 pi) for a sinusoid."""
-    spread = float(np.sum(np.var(values, axis=0)))
+def microscale(values: Array, steps: Array) -> float:
+    """Return sigma / sigma' (Taylor's microscale) of signals (n, d), in samples.
+
+    Parameters
+    ----------
+    values : (n, d) ndarray
+    steps : (m, d) ndarray
+        From sample to sample.
+    """
     change = float(np.sum(np.mean(steps**2, axis=0))) if len(steps) else 0.0
-    return max(
-        float(np.sqrt(spread / max(change, SMALLEST))) / ALIGNMENT.samples, PREDICTION.certain
-    )
+    return float(np.sqrt(np.sum(np.var(values, axis=0)) / max(change, SMALLEST)))
 
 
 def _return_time(aligned: Aligned) -> float:

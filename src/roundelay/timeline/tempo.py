@@ -137,8 +137,7 @@ def refined(body: Body, one: Predicted) -> Predicted:
     body : Body
     one : Predicted
     """
-    signal = body.seen[:, body.joints(one.claimed)].reshape(len(body), -1).astype(float)
-    lag, agrees = best_lag(signal, one.runs, one.period)
+    lag, agrees = best_lag(body.seen_of(one.claimed), one.runs, one.period)
     return replace(one, period=lag, agrees=agrees) if agrees > 0.0 else one
 
 

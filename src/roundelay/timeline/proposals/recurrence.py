@@ -150,7 +150,7 @@ def _windows(clock: _Clock, begins: Paths, lag: float) -> tuple[Array, Array, in
 def _both(sums: Array, first: Paths, whole: int, width: int) -> Array:
     """Return the means over both halves of windows, from running sums."""
     early = sums[first + width] - sums[first]
-    late = sums[np.minimum(first + whole + width + 1, len(sums) - 1)] - sums[first + whole + 1]
+    late = sums[first + whole + width + 1] - sums[first + whole + 1]
     return np.asarray((early + late) / (2.0 * width))
 
 
@@ -169,10 +169,10 @@ def _running_max(values: Array, width: int) -> Array:
 def _paths(values: NDArray[np.float32], lags: Array) -> Paths:
     """Return the lag (groups, hops) that explains each hop best, -1 for none: Viterbi's path."""
     groups, hops, count = values.shape
-    worth = values - PREDICTABILITY.explained - PREDICTABILITY.longer * np.log2(lags / lags[0])
-    gain = worth * np.sqrt(PREDICTABILITY.hop / lags)
+    least = PREDICTABILITY.explained + PREDICTABILITY.longer * np.log2(lags / lags[0])
+    periods = np.sqrt(PREDICTABILITY.hop / lags)
     back = np.zeros((hops, groups, count + 1), np.int16)
-    none, best, rows = np.zeros(groups), gain[:, 0].astype(float), np.arange(groups)
+    none, best, rows = np.zeros(groups), (values[:, 0] - least) * periods, np.arange(groups)
     for hop in range(1, hops):
         top = best.argmax(axis=1)
         highest = best[rows, top]
@@ -185,7 +185,7 @@ def _paths(values: NDArray[np.float32], lags: Array) -> Paths:
         leave = highest - PREDICTABILITY.switch
         back[hop, :, 0] = np.where(leave > none, top, -1)
         none = np.maximum(none, leave)
-        best = np.where(fresh, enter[:, None], stay) + gain[:, hop]
+        best = np.where(fresh, enter[:, None], stay) + (values[:, hop] - least) * periods
     paths = np.zeros((groups, hops), np.intp)
     top = best.argmax(axis=1)
     paths[:, -1] = np.where(best[rows, top] > none, top, -1)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,11 +101,10 @@ def align_all(stretches: Sequence[Stretch]) -> list[Aligned | None]:
     found: list[Aligned | None] = [None] * len(stretches)
     for _ in range(ALIGNMENT.rounds):
         going = [i for i, template in enumerate(templates) if template is not None]
-        for batch in _batches(stretches, going):
-            own = [(stretches[i], templates[i]) for i in batch]
-            for i, states in zip(batch, _decoded(own), strict=True):  # type: ignore[arg-type]
-                found[i] = _laid(stretches[i], states)
-                templates[i] = _template(stretches[i], found[i])
+        states = _states(stretches, templates, going)
+        for i in going:
+            found[i] = _laid(stretches[i], states[i])
+            templates[i] = _template(stretches[i], found[i])
     return [
         one if template is not None else None
         for one, template in zip(found, templates, strict=True)
@@ -151,33 +151,61 @@ def _first_template(stretch: Stretch) -> Array:
     return taken_at(ring, np.arange(ALIGNMENT.states) * ALIGNMENT.samples / ALIGNMENT.states)
 
 
-def _batches(stretches: Sequence[Stretch], going: list[int]) -> list[list[int]]:
-    """Put stretches of like length together, as many as memory allows."""
-    batches: list[list[int]] = []
+def _states(
+    stretches: Sequence[Stretch], templates: Sequence[Array | None], going: list[int]
+) -> dict[int, NDArray[np.intp]]:
+    """Return the phase state (m,) of every sample of stretches, -1 where unexplained.
+
+    Long stretches are decoded in pieces, many at once; each piece is trusted up to the middle of
+    what it shares with the next, by where paths have met.
+    """
+    states = {i: np.full(len(stretches[i].values), -1) for i in going}
+    half = ALIGNMENT.shared * ALIGNMENT.samples // 2
+    for batch in _batches([(i, *piece) for i in going for piece in _pieces(len(states[i]))]):
+        costs = [_costs(stretches[i], cast(Array, templates[i]), a, b) for i, a, b in batch]
+        for (i, a, b), own in zip(batch, _decoded(costs), strict=True):
+            first, last = half if a else 0, half if b < len(states[i]) else 0
+            states[i][a + first : b - last] = own[first : len(own) - last]
+    return states
+
+
+def _pieces(length: int) -> list[tuple[int, int]]:
+    """Cut so many samples into pieces that overlap."""
+    size, step = (
+        periods * ALIGNMENT.samples
+        for periods in (ALIGNMENT.piece, ALIGNMENT.piece - ALIGNMENT.shared)
+    )
+    starts = range(0, max(1, length - size + step), step)
+    return [(start, length if start == starts[-1] else start + size) for start in starts]
+
+
+def _batches(pieces: list[tuple[int, int, int]]) -> list[list[tuple[int, int, int]]]:
+    """Put pieces (stretch, start, stop) of like length together, as many as memory allows."""
+    batches: list[list[tuple[int, int, int]]] = []
     longest = 0
-    for i in sorted(going, key=lambda i: -len(stretches[i].values)):
+    for piece in sorted(pieces, key=lambda piece: piece[1] - piece[2]):
         if batches and (len(batches[-1]) + 1) * longest * ALIGNMENT.states <= _BLOCK:
-            batches[-1].append(i)
+            batches[-1].append(piece)
         else:
-            batches.append([i])
-            longest = len(stretches[i].values)
+            batches.append([piece])
+            longest = piece[2] - piece[1]
     return batches
 
 
-def _decoded(batch: list[tuple[Stretch, Array]]) -> list[NDArray[np.intp]]:
+def _decoded(costs: list[Array]) -> list[NDArray[np.intp]]:
     """Return the phase state (m,) of every sample, -1 where unexplained: Viterbi's paths.
 
-    The batch is in order of falling length.
+    Costs (m, 64) are in order of falling length.
     """
-    lengths = np.array([len(stretch.values) for stretch, _ in batch])
-    cost = np.zeros((lengths[0], len(batch), ALIGNMENT.states), np.float32)
-    for i, (stretch, template) in enumerate(batch):
-        cost[: lengths[i], i] = _costs(stretch, template)
+    lengths = np.array([len(one) for one in costs])
+    cost = np.zeros((lengths[0], len(costs), ALIGNMENT.states), np.float32)
+    for i, one in enumerate(costs):
+        cost[: len(one), i] = one
     back = np.zeros(cost.shape, np.int8)
-    left = np.full((lengths[0], len(batch)), -1, np.int16)
-    best, none = cost[0].copy(), np.full(len(batch), ALIGNMENT.unexplained, np.float32)
-    final = np.zeros(len(batch), np.intp)
-    alive = len(batch)
+    left = np.full((lengths[0], len(costs)), -1, np.int16)
+    best, none = cost[0].copy(), np.full(len(costs), ALIGNMENT.unexplained, np.float32)
+    final = np.zeros(len(costs), np.intp)
+    alive = len(costs)
     for t in range(1, lengths[0] + 1):
         while alive and lengths[alive - 1] == t:
             alive -= 1
@@ -186,11 +214,12 @@ def _decoded(batch: list[tuple[Stretch, Array]]) -> list[NDArray[np.intp]]:
         if not alive:
             break
         _step(best, none, cost[t], back[t], left[t], alive)
-    return [_traced(back[:, i], left[:, i], int(final[i]), lengths[i]) for i in range(len(batch))]
+    return [_traced(back[:, i], left[:, i], int(final[i]), lengths[i]) for i in range(len(costs))]
 
 
-def _costs(stretch: Stretch, template: Array) -> Array:
-    x = stretch.values
+def _costs(stretch: Stretch, template: Array, start: int, stop: int) -> Array:
+    """Return what each phase costs (m, 64) of some samples, in variances."""
+    x = stretch.values[start:stop]
     inner = (
         np.sum(x * x, axis=1)[:, None] + np.sum(template * template, axis=1) - 2 * x @ template.T
     )

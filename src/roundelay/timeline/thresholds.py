@@ -287,6 +287,12 @@ class _Alignment(Thresholds):
         origin="the largest distance that counts; " + _SKETCH,
     )
     rounds: int = constant(2, unit="rounds", origin="of alignment and averaging; " + _SKETCH)
+    piece: int = constant(
+        16, unit="periods", origin="decoded at once, for speed; with pieces of 64 it is the same"
+    )
+    shared: int = constant(
+        4, unit="periods", origin="of a piece and the next, within which their paths meet"
+    )
     turns: float = constant(
         0.5,
         unit="turns",

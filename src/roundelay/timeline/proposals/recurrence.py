@@ -140,17 +140,17 @@ def _windows(clock: _Clock, begins: Paths, lag: float) -> tuple[Array, Array, in
     difference = x[: count - whole - 1] - moved
     sums = _running(np.add.reduceat(difference * difference, begins, axis=1))
     apart = (sums[width:] - sums[:-width]) / width
-    first = np.arange(len(apart))
-    mean = _both(clock.sums, first, whole, width)
-    squares = _both(clock.squares, first, whole, width)
+    mean = _both(clock.sums, len(apart), whole, width)
+    squares = _both(clock.squares, len(apart), whole, width)
     variance = squares - np.add.reduceat(mean * mean, begins, axis=1)
     return apart, np.maximum(variance, 0.0), min(width + whole + 1, count)
 
 
-def _both(sums: Array, first: Paths, whole: int, width: int) -> Array:
-    """Return the means over both halves of windows, from running sums."""
-    early = sums[first + width] - sums[first]
-    late = sums[first + whole + width + 1] - sums[first + whole + 1]
+def _both(sums: Array, count: int, whole: int, width: int) -> Array:
+    """Return the means over both halves of so many windows, from running sums."""
+    later = sums[whole + 1 :]
+    early = sums[width : width + count] - sums[:count]
+    late = later[width : width + count] - later[:count]
     return np.asarray((early + late) / (2.0 * width))
 
 

@@ -37,6 +37,7 @@ def main() -> None:
         "with_a_cycle": sum(row["period"] is not None for row in rows),
         "right": sum(row["right"] for row in rows),
         "right_by_the_table": sum(row["yardstick"] == "table" for row in rows),
+        "by_alignment": sum(row.get("aligned", False) for row in rows),
         "published": sum(_sound(name) for name in TABLES),
         "seconds": round(sum(row["seconds"] for row in rows), 3),
     }
@@ -82,6 +83,7 @@ def _row(data: Path, name: str) -> dict[str, object]:
         "right": right,
         "yardstick": yardstick,
         "confidence": round(evidence.confidence or 0.0, 2),
+        "aligned": evidence.aligned,
         "seconds": round(seconds, 4),
     }
 

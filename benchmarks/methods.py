@@ -34,7 +34,7 @@ LONGEST = 3000
 """Frames of the captures with truth that are looked at."""
 
 TARGETS = (
-    Target("captures", ">=", 140, "captures with a loop"),
+    Target("captures", ">=", 150, "captures with a loop"),
     Target("auto.accents", ">=", 0.98, "share of loops that keep the accents"),
     Target("take.seam", "<=", 1.0, "change of velocity at the seam beside the capture's usual"),
 )

@@ -3,8 +3,8 @@
 Usage: python -m benchmarks.paper_a --data FOLDER [--json] [--keep]
 
 - ``rows``: captures of table 1 and figures 7, 9, 10, 11: bars, classes, excitation regions, and
-  the parts found by `find_cycles`, steady ones and gestures, with the times of [A] (its cohomology
-  alone) beside ours (all of it). A behaviour that [A] tells of counts as found if some class
+  the parts found by `find_cycles`, with the times of [A] (its cohomology alone) beside ours (all
+  of it). A behaviour that [A] tells of counts as found if some class
   makes .8 turns in its frames, with half of the variation of its regions there.
 - ``concatenations``: three captures end to end, 20 times by a seeded choice. A part is back if its
   ends are within .5 s and its period within 5 % of what is found in its capture alone.
@@ -63,10 +63,8 @@ def row(data: Path, name: str, paper: Row) -> dict[str, Any]:
     found: dict[str, Any] = {"capture": name, "frames": len(motion), "[A]": paper.figures()}
     for metric in METRICS:
         found[metric] = _classes(motion, metric, paper)
-    for what, asked in (("parts", ("recurrence",)), ("gestures", None)):
-        parts, cpu, wall = timed(lambda asked=asked: parts_of(motion, asked))
-        found[what] = parts
-        found[f"{what}_seconds"] = {"cpu": round(cpu, 3), "wall": round(wall, 3)}
+    found["parts"], cpu, wall = timed(lambda: parts_of(motion))
+    found["parts_seconds"] = {"cpu": round(cpu, 3), "wall": round(wall, 3)}
     return found
 
 
@@ -117,7 +115,7 @@ def parts_of(
     motion: rl.Motion, proposers: tuple[str, ...] | None = None
 ) -> list[dict[str, Any]] | str:
     try:
-        cycles = rl.find_cycles(motion, rl.Options(proposers=proposers))
+        cycles = rl.find_cycles(motion)
     except rl.NoPeriod as refusal:
         return str(refusal)
     return [
@@ -302,7 +300,6 @@ def _summary(result: dict[str, Any]) -> dict[str, Any]:
                 "published": one["[A]"]["seconds"],
                 "excitations": one["euclidean"]["seconds"]["cpu"],
                 "find_cycles": one["parts_seconds"]["cpu"],
-                "gestures": one["gestures_seconds"]["cpu"],
             }
             for one in result["rows"]
         },
@@ -327,8 +324,7 @@ def _table(result: dict[str, Any]) -> Iterator[str]:
             found = one[metric]
             told = ", ".join(f"{name} {turns}" for name, (turns, _) in found["behaviours"].items())
             yield f"  {metric}: {found['n_classes']} classes in {found['seconds']['cpu']} s; {told}"
-        for what in ("parts", "gestures"):
-            yield f"  {what} in {one[f'{what}_seconds']['cpu']} s: {one[what]}"
+        yield f"  parts in {one['parts_seconds']['cpu']} s: {one['parts']}"
     joined, mixed = result["concatenations"], result["blends"]
     yield f"concatenations: {joined['back']} of {joined['parts']} parts back"
     yield from map(str, mixed["rows"])

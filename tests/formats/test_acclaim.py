@@ -423,9 +423,9 @@ def test_bone_lengths_that_change_survive(tmp_path):
 
 
 def test_names_cannot_break_the_file(tmp_path):
-    names = ("hips", "root", "12", "a b", "a_b", "end", "x#y")
-    skeleton = Skeleton(names, (-1, 0, 1, 2, 3, 4, 5), np.ones((7, 3)))
-    rl.write(Motion(skeleton, rot.identity(2, 7), np.zeros((2, 3)), 0.1), tmp_path / "a.amc")
-    expected = ("root", "root_", "12_", "a_b", "a_b_", "end_", "x_y")
+    names = ("hips", "root", "12", "a b", "a_b", "end", "x#y", "c\0d", "\x1f")
+    skeleton = Skeleton(names, (-1, *range(8)), np.ones((9, 3)))
+    rl.write(Motion(skeleton, rot.identity(2, 9), np.zeros((2, 3)), 0.1), tmp_path / "a.amc")
+    expected = ("root", "root_", "12_", "a_b", "a_b_", "end_", "x_y", "c_d", "_")
     again = read(tmp_path / "a.amc")
     assert {*expected} < {*again.skeleton.names}

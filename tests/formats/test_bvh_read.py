@@ -143,6 +143,21 @@ def test_positions_that_stay_at_the_offset_are_no_translations(bvh):
     assert motion.translations is None
 
 
+@pytest.mark.parametrize(("unit", "away", "moves"), [(1, 1e-5, False), (1e-3, 5e-7, True)])
+def test_how_far_a_joint_leaves_its_offset_is_told_in_body_sizes(bvh, unit, away, moves):
+    """Half a millionth is more for a body of a fiftieth than a hundred thousandth for one of 20."""
+    frame = f"0 0 0 0 0 0 {10 * unit:.10g} 0 0 0 0\n"
+    motion = read(
+        bvh(
+            ("CHANNELS 3 Zrotation Xrotation Yrotation", "CHANNELS 2 Yposition Xrotation"),
+            *((f"OFFSET 0 {y} 0", f"OFFSET 0 {y * unit:.10g} 0") for y in (10, 5, -6)),
+            ("OFFSET 2 -8 0", f"OFFSET {2 * unit:.10g} {-8 * unit:.10g} 0"),
+            (BODY, frame * 2 + f"0 0 0 0 0 0 {10 * unit + away:.10g} 0 0 0 0\n"),
+        )
+    )
+    assert (motion.translations is not None) == moves
+
+
 def test_one_line_too_many_is_left_out_with_a_warning(bvh):
     with pytest.warns(RoundelayWarning, match="one frame more than the 3 promised"):
         motion = read(bvh(text=bvh().read_text() + "4 5 6 13 23 33 4 5 6 7 8 9\n"))

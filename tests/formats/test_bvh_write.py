@@ -157,6 +157,15 @@ def test_names_cannot_break_the_file(tmp_path):
     assert read(tmp_path / "a.bvh").skeleton.names == ("a_b", "c___d")
 
 
+def test_names_stay_words_and_different(tmp_path):
+    names = ("a\0b", "a_b", "a{b", " a", "a", " ", "\x1f", "\n", "l\u2028", "c\td")
+    skeleton = Skeleton(names, (-1, *range(9)), np.ones((10, 3)))
+    motion = Motion(skeleton, rot.identity(1, 10), np.zeros((1, 3)), 0.1)
+    write(motion, tmp_path / "a.bvh")
+    expected = ("a_b", "a_b_", "a_b__", "a", "a_", "_", "__", "___", "l", "c\td")
+    assert read(tmp_path / "a.bvh").skeleton.names == expected
+
+
 def test_a_motion_without_frames_is_not_written(bvh, tmp_path):
     motion = read(bvh())
     with pytest.raises(TooShort):

@@ -286,6 +286,22 @@ def test_names_that_are_alike_or_missing(tmp_path):
     assert rl.read(made.saved(tmp_path / "a.gltf")).skeleton.names == ("node0", "leg", "leg_2")
 
 
+@pytest.mark.parametrize("name", ["a.bvh", "a.amc", "a.glb", "a.fbx"])
+def test_any_name_that_is_read_can_be_written(tmp_path, name):
+    """With every character that a name can be made of, and none."""
+    signs = [chr(n) for n in (*range(33), 127, 133, 160, 0x2028, 0xFFFF, 0x1F600)]
+    names = ["hip", *signs, *(f"a{sign}b" for sign in signs), "{", "#", "//", "root", ":x"]
+    nodes = [{"name": name, "translation": [0, 0.1, 0]} for name in names]
+    nodes[0]["children"] = list(range(1, len(nodes)))
+    made = Made(nodes, skins=[{"joints": list(range(len(nodes)))}])
+    made.track(0, "translation", [0, 1 / 30], [[0, 1, 0], [0, 2, 0]])
+    motion = rl.read(made.saved(tmp_path / "in.gltf"))
+    rl.write(motion, tmp_path / name)
+    if name != "a.fbx":
+        again = rl.read(tmp_path / name)
+        assert again.skeleton.n_joints >= motion.skeleton.n_joints == len(names)
+
+
 def test_whole_numbers_strides_and_sparse_values(tmp_path):
     made = two_bones()
     wide = np.zeros((3, 5), "<f4")
@@ -399,6 +415,12 @@ def changed(where: str, value) -> Made:
         ("bufferViews.0.byteLength", 10**9, "expected bytes within a buffer of"),
         ("bufferViews.0.buffer", 1, "at most 0, found 1"),
         ("bufferViews.0.extensions", {"EXT_meshopt_compression": {}}, "expected plain data"),
+        ("bufferViews.0.extensions", {"\ud800compression": 1}, r"found '\\ud800compression'"),
+        ("bufferViews.0.extensions", None, "expected an object, found None at bufferViews"),
+        ("bufferViews.0.extensions", 5, "expected an object, found 5 at bufferViews"),
+        ("bufferViews.0.extensions", [5], r"expected an object, found \[5\] at bufferViews"),
+        ("bufferViews.0.extensions", True, "expected an object, found True at bufferViews"),
+        ("nodes.1.name", "leg\ud800", r"text that UTF-8 can hold, found 'leg\\ud800' at nodes"),
     ],
 )
 def test_what_is_wrong_is_said(tmp_path, where, value, message):

@@ -74,7 +74,7 @@ def _names(skeleton: Skeleton) -> list[str]:
     """Return names an ASF can hold: single words, all different, the first "root"."""
     names = ["root"]
     for name in skeleton.names[1:]:
-        word = re.sub(r"\s|#|//|^:", "_", name) or "_"
+        word = re.sub(r"[\s\x00-\x1f]|#|//|^:", "_", name) or "_"
         while word in names or word.isdecimal() or word.lower() in ("begin", "end"):
             word += "_"
         names.append(word)

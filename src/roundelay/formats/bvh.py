@@ -20,6 +20,7 @@ from roundelay.base.errors import FormatError, RoundelayWarning
 from roundelay.formats import text
 from roundelay.formats.bvh_hierarchy import BvhLayout, read_hierarchy
 from roundelay.formats.euler import DEGREE, Winding, compose, winding
+from roundelay.formats.moving import leave
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
@@ -153,9 +154,8 @@ def _motion(skeleton: Skeleton, values: Array, frame_time: float, name: str) -> 
     places = _placements(skeleton, values)
     path = np.array(places.get(0, np.broadcast_to(skeleton.offsets[0], (len(values), 3))))
     moved = {joint: place for joint, place in places.items() if joint}
-    still = all(np.allclose(p, skeleton.offsets[j], 0, 1e-6) for j, p in moved.items())
     translations = None
-    if not still:
+    if any(leave(place, skeleton.offsets[j], skeleton.size) for j, place in moved.items()):
         shape = (len(values), skeleton.n_joints, 3)
         translations = np.broadcast_to(skeleton.offsets, shape).copy()
         for joint, place in moved.items():

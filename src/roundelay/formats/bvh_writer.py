@@ -161,12 +161,12 @@ def _hierarchy(skeleton: Skeleton, layout: BvhLayout) -> Iterator[str]:
     ends: list[list[tuple[str, Array]]] = [[] for _ in skeleton.names]
     for (joint, offset), heading in zip(skeleton.end_sites, layout.end_sites, strict=True):
         ends[joint].append((heading, offset))
-    depth = 0
+    depth, plain = 0, _names(skeleton)
     for joint, level in _walk(skeleton):
         yield from _closing(depth, level)
         depth = level + 1
         tabs = "\t" * level
-        yield f"{tabs}{'JOINT' if level else 'ROOT'} {_plain(skeleton.names[joint])}\n{tabs}{{\n"
+        yield f"{tabs}{'JOINT' if level else 'ROOT'} {plain[joint]}\n{tabs}{{\n"
         yield f"{tabs}\tOFFSET {_vector(skeleton.offsets[joint])}\n"
         channels = layout.channels[joint]
         yield f"{tabs}\t{' '.join(['CHANNELS', str(len(channels)), *channels])}\n"
@@ -175,9 +175,22 @@ def _hierarchy(skeleton: Skeleton, layout: BvhLayout) -> Iterator[str]:
     yield from _closing(depth, 0)
 
 
+def _names(skeleton: Skeleton) -> list[str]:
+    """Return names a BVH can hold, all different."""
+    names: dict[str, None] = {}
+    for name in skeleton.names:
+        word = _plain(name)
+        while word in names:
+            word += "_"
+        names[word] = None
+    return list(names)
+
+
 def _plain(name: str) -> str:
-    """Return a name without what would end it or start a comment."""
-    return re.sub(r"[{}\s]+|#|//", "_", name) if re.search(r"[{}\n\r#]|//", name) else name
+    """Return a name without what would end it, start a comment or make the file a binary one."""
+    if re.search(r"[{}#\x00-\x08\n-\x1f]|//", name):
+        name = re.sub(r"[{}\s\x00-\x1f]+|#|//", "_", name)
+    return name.strip() or "_"
 
 
 def _closing(depth: int, level: int) -> Iterator[str]:

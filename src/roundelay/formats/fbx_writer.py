@@ -72,8 +72,9 @@ class _Bone(NamedTuple):
 
 
 def _loosened(motion: Motion) -> Skeleton:
-    """Set joints that move on their parents aside at rest, where they lie above them along Y.
+    """Set joints that move on their parents aside at rest, along X, by a part of the body's size.
 
+    Those, that is, that lie on their parent's Y axis: above it, below it or at the parent itself.
     Blender lets bones point along Y, joins a child at the tip, and then leaves out its movement.
     """
     skeleton = motion.skeleton

@@ -140,10 +140,14 @@ class Part:
         Raises
         ------
         FormatError
-            If this is something else.
+            If this is something else, or holds half of a pair of surrogates.
         """
         if not isinstance(self.value, str):
             raise self.error("text")
+        try:
+            self.value.encode()
+        except UnicodeEncodeError:
+            raise self.error("text that UTF-8 can hold") from None
         return self.value
 
 
@@ -246,9 +250,11 @@ class Document:
 
     def _view(self, view: Part) -> memoryview:
         """Return the bytes of a buffer view."""
-        packed = [name for name in view.get("extensions", {}).value if "compression" in name]
+        extensions = view.get("extensions", {})
+        extensions.has("")  # an object, or FormatError
+        packed = [name for name in extensions.value if "compression" in name]
         if packed:
-            raise view.error("plain data", packed[0])
+            raise view.error("plain data", repr(packed[0]))
         number = view.get("buffer")
         buffer = self._buffer(self.entry("buffers", number), number.whole())
         start = view.get("byteOffset", 0).whole()

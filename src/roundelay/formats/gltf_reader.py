@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from roundelay.base.errors import RoundelayWarning
 from roundelay.formats.gltf_document import Document, Part, load
 from roundelay.formats.gltf_keys import Clock, Track, common_clock, read_track
+from roundelay.formats.moving import leave
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
@@ -31,8 +32,6 @@ _MOST_JOINTS = 4096
 _PROPORTION, _FEW = 2, 1 << 22
 # Scales that differ by less, relatively, are one.
 _EVEN = 1e-3
-# Parts of the skeleton's size by which a joint that stands still may move.
-_STILL = 1e-6
 _MOVING = "an animation that moves the skeleton's nodes"
 # Names in a note.
 _NAMED = 8
@@ -391,12 +390,10 @@ def _offsets(places: Array, size: float) -> tuple[Array, bool]:
 
     A joint that stands still has the place where it stands, another that at rest, if it has one.
     """
-    still = np.ptp(places[1:], axis=0).max(axis=1) <= _STILL * size
-    still |= ~np.any(places[0], axis=1)
+    still = ~leave(places[1:], places[1], size) | ~np.any(places[0], axis=1)
     offsets = np.where(still[:, None], places[1], places[0])
     offsets[0] = places[0, 0]
-    away = np.abs(places[1:, 1:] - offsets[1:]).max(initial=0.0)
-    return offsets, bool(away > _STILL * size)
+    return offsets, bool(leave(places[1:, 1:], offsets[1:], size).any())
 
 
 def _different(names: list[str]) -> tuple[str, ...]:

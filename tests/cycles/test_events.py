@@ -71,6 +71,32 @@ def test_who_stays_in_place_makes_contact_along_the_facing():
     assert near(int(np.argmax(values)) / len(values), 0.0) < 0.01
 
 
+@pytest.mark.parametrize("apart", [0.0, 0.3])
+def test_hips_at_one_place_or_above_each_other_have_no_way_ahead(walk, apart):
+    """Of a body that stays in place: it has no facing then, and no contacts along it."""
+    skeleton = walk.skeleton
+    offsets = skeleton.offsets.copy()
+    hips = skeleton.indices(["LeftUpLeg", "RightUpLeg"])
+    offsets[hips] = [[0.0, 0.0, 0.0], [0.0, apart, 0.0]]
+    upright = walk.pose.constant.copy()
+    upright[:4] = (1.0, 0.0, 0.0, 0.0)
+    waves = [part.copy() for part in (walk.pose.cosine, walk.pose.sine)]
+    for part in waves:
+        part[:, :4] = 0.0
+    still = replace(
+        walk,
+        skeleton=replace(skeleton, offsets=offsets),
+        pose=replace(walk.pose, constant=upright, cosine=waves[0], sine=waves[1]),
+        velocity=replace(walk.velocity, constant=np.zeros(3)),
+        turning=0.0,
+    )
+    assert events_of(still) == ()
+    grid = np.arange(8) / 8
+    assert np.isfinite(begun(still).rotations(grid)).all()
+    with pytest.raises(ValueError, match="a left and a right foot, side by side"):
+        started(still, "left")
+
+
 def test_what_has_no_steps_begins_at_its_largest_event():
     one, other = (
         rl.find_cycles(footless(synth.gait("jacks", repetitions=4.2).motion)[cut:])[0]

@@ -183,6 +183,22 @@ def test_slerp():
     assert_same(rot.slerp(first, -second, t), rot.slerp(first, second, t))
 
 
+def test_vector_between():
+    first, second = random((2, 40), 12)
+    vectors = rot.vector_between(first, second)
+    expected = (oracle(first).inv() * oracle(second)).as_rotvec()
+    np.testing.assert_allclose(vectors, expected, atol=1e-12)
+    there = rot.multiply(first, rot.from_rotation_vector(vectors))
+    np.testing.assert_allclose(rot.angle_between(there, second), 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_axis_to_y(axis):
+    np.testing.assert_allclose(
+        rot.rotate(rot.axis_to_y(axis), np.eye(3)[axis]), [0, 1, 0], atol=1e-15
+    )
+
+
 def test_angle_between():
     first, second = random((2, 40), 11)
     expected = (oracle(first).inv() * oracle(second)).magnitude()

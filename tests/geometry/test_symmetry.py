@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from roundelay import Skeleton, SkeletonMismatch
-from roundelay.geometry.symmetry import lateral_axis, partners
+from roundelay.geometry.symmetry import facing, is_left, lateral_axis, partners
 
 PAIRS = [
     ("LeftUpLeg", "RightUpLeg"),
@@ -28,6 +28,25 @@ def tree(*names):
 def test_pairs(pair):
     skeleton = tree("Root", "lowerback", *pair, "Reye", "LowerNeck")
     np.testing.assert_array_equal(partners(skeleton), [0, 1, 3, 2, 4, 5])
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_the_left_one(pair):
+    assert is_left(*pair)
+    assert not is_left(*pair[::-1])
+
+
+@pytest.mark.parametrize("up", [0, 1, 2])
+def test_where_a_body_faces(up):
+    """Square to its sides on the mean, however one is above the other."""
+    across, ahead = np.eye(3)[(up + 1) % 3], np.eye(3)[(up + 2) % 3]
+    left = np.array([across, 3 * across + 0.2 * ahead, across - 0.2 * ahead]) + np.eye(3)[up]
+    np.testing.assert_allclose(facing(left, -left, up, 1.0), -ahead, atol=1e-15)
+
+
+@pytest.mark.parametrize("left", [[0.0, 0.0, 0.0], [0.0, 7.0, 0.0]])
+def test_sides_at_one_place_or_above_each_other_face_nowhere(left):
+    assert facing(np.array([left] * 4), np.zeros((4, 3)), 1, 2.0) is None
 
 
 @pytest.mark.parametrize("name", ["LeftArm", "RHand", "Bip01 L Foot", "leg.R"])

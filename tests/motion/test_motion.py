@@ -147,6 +147,15 @@ def test_select_unknown():
 
 
 @both
+def test_turned(moved):
+    motion, turn = make(moved=moved), rot.from_rotation_vector([0.1, 2.0, -0.3])
+    again = motion.turned(turn)
+    np.testing.assert_allclose(again.positions(), rot.rotate(turn, motion.positions()), atol=1e-12)
+    assert again.skeleton is motion.skeleton
+    assert_same(again.turned(rot.conjugate(turn)), motion, atol=1e-7)
+
+
+@both
 def test_scaled(moved):
     motion = make(moved=moved)
     np.testing.assert_allclose(motion.scaled(0.1).positions(), 0.1 * motion.positions())

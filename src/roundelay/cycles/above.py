@@ -34,8 +34,8 @@ class Above:
     rotations : (n, 4) ndarray
         How each is turned in the world, the steady turning left out where it `turns`.
     places : (n, 3) ndarray
-        Where each is in the world, the steady path left out where it `travels`; turned along
-        where it `turns`.
+        Where each is in the world, in the skeleton's length unit; the steady path left out where
+        it `travels`, turned along where it `turns`.
     travels, turns : (n,) ndarray of bool
         Whether it went and turned with the body, or stood.
     """
@@ -73,7 +73,12 @@ class Above:
         turn : (F, 4) ndarray
             The steady turning reached.
         path : (F, 3) ndarray
-            The steady path.
+            The steady path, in the skeleton's length unit.
+
+        Returns
+        -------
+        Motion
+            Its translations are set.
         """
         chain = list(motion.skeleton.trunk[: len(self.places) + 1])
         hung, carrier = chain[1:], chain[-1:]

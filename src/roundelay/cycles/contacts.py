@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from roundelay.cycles.cycle import Cycle
-from roundelay.geometry.contacts import Foot, Mask, contacts, find_feet, foot_points
-from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.geometry.contacts import Foot, Mask, contacts
+from roundelay.motion.feet import feet_of
 
 __all__ = ["standing_feet"]
 
@@ -28,11 +28,7 @@ def standing_feet(cycle: Cycle, count: int) -> tuple[tuple[Foot, ...], Mask]:
     # The periods before and after decide about feet that stand across the seam.
     phases = np.arange(-count, 2 * count) / count
     around = cycle.at(phases, frame_time=cycle.period / count).with_root_motion()
-    places, turns = forward_kinematics(
-        around.skeleton, around.rotations, around.root_path, translations=around.translations
-    )
-    feet = find_feet(around.skeleton, places, around.up)
-    points = foot_points(feet, places, turns)
+    feet, points = feet_of(around)
     size = around.skeleton.size
     standing = contacts(points, fps=around.fps, size=size, up=around.up)
     return feet, standing[count : 2 * count]

@@ -161,13 +161,10 @@ def _close(local: Array, turns: Array) -> None:
     step = turns[1] - turns[0]
     first, last = local[0], local[-1]
     # Half of the way from end to end at each end's own speed.
-    ahead = (
-        rot.multiply(rot.conjugate(local[-2]), last),
-        rot.multiply(rot.conjugate(first), local[1]),
-    )
-    moved = [rot.to_rotation_vector(turn) * (0.5 * left / step) for turn in ahead]
+    ahead = rot.vector_between(local[-2], last), rot.vector_between(first, local[1])
+    moved = [turn * (0.5 * left / step) for turn in ahead]
     there = rot.multiply(last, rot.from_rotation_vector(moved[0] + moved[1]))
-    lack = rot.to_rotation_vector(rot.multiply(rot.conjugate(there), first))
+    lack = rot.vector_between(there, first)
     share = (turns - turns.mean())[:, None, None]
     local[:] = rot.multiply(local, rot.from_rotation_vector(share * lack))
 

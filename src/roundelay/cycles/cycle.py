@@ -229,9 +229,7 @@ class Cycle:
         motion = self._given_back(replace(motion, rotations=rotations), phase, in_place)
         if heading is None:
             return motion
-        rotations, turn = motion.rotations.copy(), self._about_up(self._turn_to(heading))
-        rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
-        return replace(motion, rotations=rotations, root_path=rot.rotate(turn, motion.root_path))
+        return motion.turned(self._about_up(self._turn_to(heading)))
 
     def _turn_to(self, direction: float) -> float:
         """Return the angle from where phase 0 travels to a direction; 0 without travel."""

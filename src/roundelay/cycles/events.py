@@ -23,6 +23,7 @@ from roundelay.cycles.edit.align import shifted
 from roundelay.cycles.thresholds import CYCLE, EVENTS
 from roundelay.geometry.contacts import Foot, find_feet, foot_points, left_and_right
 from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.geometry.symmetry import facing
 from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
 from roundelay.phase.tempo import lowest_between
@@ -75,7 +76,8 @@ def events_of(cycle: Cycle) -> tuple[Event, ...]:
     Returns
     -------
     tuple of Event
-        Empty where no foot steps, or the skeleton has no left and right foot.
+        Empty where no foot steps, the skeleton has no left and right foot, or a body that stays in
+        place has its hips at one place or above each other, so that no way is ahead.
     """
     stride = _stride(cycle)
     found = [] if stride is None else list(_events(stride))
@@ -83,7 +85,19 @@ def events_of(cycle: Cycle) -> tuple[Event, ...]:
 
 
 def event_markers(cycle: Cycle, count: int) -> list[dict[str, Any]]:
-    """Return the events of a cycle as plain data, with their frames in a period of so many."""
+    """Return the events of a cycle as plain data.
+
+    Parameters
+    ----------
+    cycle : Cycle
+    count : int
+        Frames of a period.
+
+    Returns
+    -------
+    list of dict
+        Name, phase in turns, and the frame of the period, which need not be whole, of each.
+    """
     return [
         {"name": event.name, "phase": event.phase, "frame": event.phase * count}
         for event in events_of(cycle)
@@ -91,7 +105,17 @@ def event_markers(cycle: Cycle, count: int) -> list[dict[str, Any]]:
 
 
 def begun(cycle: Cycle) -> Cycle:
-    """Return the cycle that begins at the left foot's contact, or at its largest event."""
+    """Return the cycle that begins at the left foot's contact.
+
+    Parameters
+    ----------
+    cycle : Cycle
+
+    Returns
+    -------
+    Cycle
+        Where no left foot steps, it begins at the pose that is farthest from the mean one.
+    """
     stride = _stride(cycle)
     stepping = stride is not None and np.ptp(stride.heels[:, 0]) >= EVENTS.steps
     return shifted(cycle, _contact(stride, 0) if stride and stepping else _largest(cycle))
@@ -128,13 +152,16 @@ def started(cycle: Cycle, start: float | str) -> Cycle:
     Raises
     ------
     ValueError
-        If the skeleton has no left and right foot, or the frame does not show the motion.
+        If the start has no form that is known, the skeleton has no left and right foot, or none
+        side by side, or the frame does not show the motion.
     """
     checked_start(start)
     if start in _SIDES:
         stride = _stride(cycle)
         if stride is None:
-            raise ValueError(f"expected a left and a right foot to start at, found none: {start}")
+            raise ValueError(
+                f"expected a left and a right foot, side by side, to start at, found none: {start}"
+            )
         return shifted(cycle, _contact(stride, _SIDES.index(str(start))))
     if isinstance(start, str):
         return shifted(cycle, _phase_of(cycle, int(start.removeprefix(_FRAME))))
@@ -151,7 +178,7 @@ def _phase_of(cycle: Cycle, frame: int) -> float:
 
 
 def _stride(cycle: Cycle) -> _Stride | None:
-    """Look where the feet are; None without a left and a right one."""
+    """Look where the feet are; None without a left and a right one, or any way that is ahead."""
     phases = np.arange(EVENTS.phases) / EVENTS.phases
     body = replace(cycle, above=None).at(phases, frame_time=1.0, in_place=True)
     places, turns = forward_kinematics(
@@ -162,23 +189,27 @@ def _stride(cycle: Cycle) -> _Stride | None:
     if pair is None:
         return None
     legs = tuple(feet[place] for place in pair)
-    ahead = _ahead(cycle, body, places, legs) / body.skeleton.size
+    way = _ahead(cycle, body, places, legs)
+    if way is None:
+        return None
+    ahead = way / body.skeleton.size
     pelvis = places[:, body.skeleton.trunk[-1], None]
     heels = places[:, [foot.ankle for foot in legs]] - pelvis
     toes = foot_points(legs, places, turns) - pelvis
     return _Stride(heels @ ahead, toes @ ahead)
 
 
-def _ahead(cycle: Cycle, body: Motion, places: Array, legs: tuple[Foot, ...]) -> Array:
-    """Return the direction (3,) of the way, or where it stays in place the one it faces."""
+def _ahead(cycle: Cycle, body: Motion, places: Array, legs: tuple[Foot, ...]) -> Array | None:
+    """Return the direction (3,) of the way, or where it stays in place the one it faces, if any."""
     up = body.up_vector
     # A pelvis that hangs far from the root goes about it where the motion turns.
     arm = np.mean(places[:, body.skeleton.trunk[-1]] - body.root_path, axis=0)
     way = (cycle.velocity.constant + cycle.turning * np.cross(up, arm)) * (1.0 - up)
-    if np.linalg.norm(way) < CYCLE.travels * body.skeleton.size:
+    length = float(np.linalg.norm(way))
+    if length < CYCLE.travels * body.skeleton.size:
         left, right = (places[:, foot.hip] for foot in legs)
-        way = np.cross(np.mean(left - right, axis=0), up)
-    return np.asarray(way / np.linalg.norm(way))
+        return facing(left, right, body.up, body.skeleton.size)
+    return np.asarray(way / length)
 
 
 def _events(stride: _Stride) -> Iterator[Event]:

@@ -51,6 +51,12 @@ def swings(loop: Motion, motion: Motion, evidence: Evidence) -> tuple[Swing, ...
         The capture, likewise.
     evidence : Evidence
         What the loop was made of.
+
+    Returns
+    -------
+    tuple of Swing
+        In the order of the body's limbs. A limb that moves at most .02 body sizes in the usual
+        repetition is left out.
     """
     repetitions, shown = _repetitions(evidence, motion), point_cloud(loop)
     return tuple(_told(shown, repetitions, body_of(motion).limbs))

@@ -73,7 +73,7 @@ class GltfWriter:
             If the file cannot be written.
         """
         buffer = _Buffer()
-        upright = _to_y_up(motion.up)
+        upright = rot.axis_to_y(motion.up)
         document = {
             "asset": {"version": "2.0", "generator": f"roundelay {__version__}"},
             "scene": 0,
@@ -88,12 +88,6 @@ class GltfWriter:
         content = _binary if path.suffix.lower() == ".glb" else _text
         with written_beside(path) as part:
             part.write_bytes(content(document, bytes(buffer.data)))
-
-
-def _to_y_up(up: int) -> Array:
-    """Return the rotation (4,) that turns the vertical axis to Y."""
-    turns = ([0.0, 0.0, np.pi / 2], [0.0, 0.0, 0.0], [-np.pi / 2, 0.0, 0.0])
-    return rot.from_rotation_vector(turns[up])
 
 
 def _nodes(motion: Motion, upright: Array) -> list[Json]:

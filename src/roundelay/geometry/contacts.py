@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from roundelay.base.spans import Spans
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
-from roundelay.geometry.symmetry import other_side
+from roundelay.geometry.symmetry import is_left, other_side
 from roundelay.geometry.thresholds import CONTACTS, LIMBS
 
 __all__ = [
@@ -109,17 +109,11 @@ def left_and_right(skeleton: Skeleton, feet: tuple[Foot, ...]) -> tuple[int, int
         return None
     name, other = min(known, key=lambda pair: not _called(pair[0], _NAMES))
     ours, theirs = number[name], number[str(other)]
-    return (ours, theirs) if _is_left(name, str(other)) else (theirs, ours)
+    return (ours, theirs) if is_left(name, str(other)) else (theirs, ours)
 
 
 def _called(name: str, words: Sequence[str]) -> bool:
     return any(word in name.lower() for word in words)
-
-
-def _is_left(name: str, partner: str) -> bool:
-    """Tell which of two names that differ in their side alone is the left one."""
-    differing = next(x for x, y in zip(name.lower(), partner.lower(), strict=False) if x != y)
-    return differing == "l"
 
 
 def free_limbs(skeleton: Skeleton, positions: Array, up: int) -> list[int]:

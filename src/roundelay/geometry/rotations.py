@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "angle_between",
+    "axis_to_y",
     "conjugate",
     "continuous",
     "from_euler",
@@ -29,6 +30,7 @@ __all__ = [
     "to_matrix",
     "to_rotation_vector",
     "twist",
+    "vector_between",
 ]
 
 Array = NDArray[np.float64]
@@ -209,6 +211,12 @@ def to_rotation_vector(quaternions: ArrayLike) -> Array:
     return np.asarray(scale[..., None] * q[..., 1:])
 
 
+def axis_to_y(axis: int) -> Array:
+    """Return the rotation (4,) that turns an axis, 0, 1 or 2, to Y."""
+    turns = ([0.0, 0.0, np.pi / 2], [0.0, 0.0, 0.0], [-np.pi / 2, 0.0, 0.0])
+    return from_rotation_vector(turns[axis])
+
+
 def from_matrix(matrices: ArrayLike) -> Array:
     """Return unit quaternions (..., 4) of rotation matrices (..., 3, 3)."""
     m = np.asarray(matrices, float)
@@ -303,8 +311,16 @@ def slerp(first: ArrayLike, second: ArrayLike, fraction: ArrayLike) -> Array:
     """
     a, b = np.asarray(first, float), np.asarray(second, float)
     t = np.asarray(fraction, float)[..., None]
-    step = to_rotation_vector(multiply(conjugate(a), b))
-    return multiply(a, from_rotation_vector(t * step))
+    return multiply(a, from_rotation_vector(t * vector_between(a, b)))
+
+
+def vector_between(first: ArrayLike, second: ArrayLike) -> Array:
+    """Return the rotation vectors (..., 3) that lead from rotations (..., 4) to others.
+
+    In radians, by the shorter way, in the axes of `first`: `second` is
+    ``multiply(first, from_rotation_vector(vectors))``.
+    """
+    return to_rotation_vector(multiply(conjugate(first), second))
 
 
 def angle_between(first: ArrayLike, second: ArrayLike) -> Array:

@@ -10,10 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.errors import SkeletonMismatch
+from roundelay.base.numeric import ROUNDING
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 
 __all__ = [
+    "facing",
+    "is_left",
     "lateral_axis",
     "other_side",
     "partners",
@@ -58,16 +61,50 @@ def partners(skeleton: Skeleton) -> Places:
 
 
 def sides(skeleton: Skeleton) -> tuple[Places, Places]:
-    """Return the left joints (n,) and the partner of each; none where sides do not pair."""
+    """Return the left joints and their partners.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+
+    Returns
+    -------
+    left, right : (n,) ndarray of int
+        Empty also where `partners` would raise: where a joint of one side has no partner, or the
+        two hang on joints that are none.
+    """
     try:
         other = partners(skeleton)
     except SkeletonMismatch:
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
-    left = [j for j, k in enumerate(other) if _is_left(skeleton.names[j], skeleton.names[k])]
+    left = [j for j, k in enumerate(other) if is_left(skeleton.names[j], skeleton.names[k])]
     return np.array(left, np.intp), other[left]
 
 
-def _is_left(name: str, partner: str) -> bool:
+def facing(left: Array, right: Array, up: int, size: float) -> Array | None:
+    """Return the direction that a body faces on average: level, and square to its sides.
+
+    Parameters
+    ----------
+    left, right : (..., 3) ndarray
+        Places of joints and of their partners, of at least one.
+    up : int
+        The vertical axis.
+    size : float
+        The skeleton's size, in the unit of the places.
+
+    Returns
+    -------
+    (3,) ndarray or None
+        A unit vector; None where left and right lie at one place or above each other.
+    """
+    across = np.mean(np.reshape(left - right, (-1, 3)), axis=0)
+    across[up] = 0.0
+    width = float(np.linalg.norm(across))
+    return None if width < ROUNDING * size else np.cross(across, np.eye(3)[up]) / width
+
+
+def is_left(name: str, partner: str) -> bool:
     """Tell whether the first letter by which two names differ is that of the left."""
     differing = (one for one, two in zip(name, partner, strict=False) if one != two)
     return next(differing, "").lower() == "l"

@@ -224,7 +224,7 @@ def _fading_turns(motion: Motion, taken: Span, back: Array, count: int) -> Array
     start, stop = taken
     end = motion.rotations[stop].copy()
     end[0] = rot.multiply(back, end[0])
-    lack = rot.to_rotation_vector(rot.multiply(rot.conjugate(motion.rotations[start]), end))
+    lack = rot.vector_between(motion.rotations[start], end)
     slower = _turning(motion.rotations, stop) - _turning(motion.rotations, start)
     return _dying(lack, slower, count)
 
@@ -252,8 +252,7 @@ def _slope(values: Array, frame: int) -> Array:
 def _turning(rotations: Array, frame: int) -> Array:
     """Return how joints turn a frame (J, 3), in their own axes."""
     before, behind = max(frame - 1, 0), min(frame + 1, len(rotations) - 1)
-    turn = rot.multiply(rot.conjugate(rotations[before]), rotations[behind])
-    return rot.to_rotation_vector(turn) / (behind - before)
+    return rot.vector_between(rotations[before], rotations[behind]) / (behind - before)
 
 
 def _dying(lack: Array, slower: Array, count: int) -> Array:

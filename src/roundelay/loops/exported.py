@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.numeric import ROUNDING
 from roundelay.cycles.above import Above
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
-from roundelay.geometry.symmetry import sides
+from roundelay.geometry.symmetry import facing, sides
 from roundelay.loops.units import Lengths
 from roundelay.motion.motion import Motion
 
@@ -82,8 +81,7 @@ def exported(cycle: Cycle, written: LoopOptions) -> Motion:
     if written.root_bone and not written.in_place:
         motion = _with_root_bone(motion, cycle, written)
     where = placement(cycle, written)
-    motion = _turned(motion, where.turn)
-    motion = _on_axes(motion, where.axes, where.up)
+    motion = _on_axes(motion.turned(where.turn), where.axes, where.up)
     motion = motion if where.scale == 1.0 else motion.scaled(where.scale)
     return replace(motion, name=f"{motion.name}-loop") if written.target == "godot" else motion
 
@@ -97,7 +95,7 @@ def placement(cycle: Cycle, written: LoopOptions) -> Placement:
     wanted = _METRES.get(written.unit)
     scale = metres / wanted if metres and wanted else 1.0
     up = _AXES.get(written.up, cycle.up)
-    axes = rot.multiply(rot.conjugate(_to_y(up)), _to_y(cycle.up))
+    axes = rot.multiply(rot.conjugate(rot.axis_to_y(up)), rot.axis_to_y(cycle.up))
     turn = rot.identity(1)[0]
     if written.face_forward:
         turn = rot.from_rotation_vector(_turn_to_front(cycle) * np.eye(3)[cycle.up])
@@ -122,12 +120,6 @@ def _check_names(skeleton: Skeleton, target: str) -> None:
         raise ValueError(f"expected joints that {target} can tell apart, found {alike}")
 
 
-def _to_y(up: int) -> Array:
-    """Return the rotation (4,) that turns an axis to Y."""
-    turns = ([0.0, 0.0, np.pi / 2], [0.0, 0.0, 0.0], [-np.pi / 2, 0.0, 0.0])
-    return rot.from_rotation_vector(turns[up])
-
-
 def _turn_to_front(cycle: Cycle) -> float:
     """Return the angle by which the body is to be turned to face +Z where Y points up.
 
@@ -138,7 +130,7 @@ def _turn_to_front(cycle: Cycle) -> float:
         ahead = cycle.velocity.constant if cycle.travels else None
     if ahead is None:
         return 0.0
-    x, _, z = rot.rotate(_to_y(cycle.up), ahead)
+    x, _, z = rot.rotate(rot.axis_to_y(cycle.up), ahead)
     return -float(np.arctan2(x, z))
 
 
@@ -148,18 +140,7 @@ def _facing(cycle: Cycle) -> Array | None:
     if not len(left):
         return None
     points = cycle.sample(in_place=True).with_root_motion().positions()
-    across = np.mean(points[:, left] - points[:, right], axis=(0, 1))
-    across[cycle.up] = 0.0
-    if np.linalg.norm(across) < ROUNDING * cycle.skeleton.size:
-        return None
-    return np.cross(across, np.eye(3)[cycle.up])
-
-
-def _turned(motion: Motion, turn: Array) -> Motion:
-    """Turn the world about the origin; the pose at rest stays."""
-    rotations = motion.rotations.copy()
-    rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
-    return replace(motion, rotations=rotations, root_path=rot.rotate(turn, motion.root_path))
+    return facing(points[:, left], points[:, right], cycle.up, cycle.skeleton.size)
 
 
 def _on_axes(motion: Motion, axes: Array, up: int) -> Motion:

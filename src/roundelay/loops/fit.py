@@ -40,8 +40,7 @@ class Laid:
     @property
     def apart(self) -> Array:
         """Rotations from loop to capture (n, 3 (J - 1)) as vectors, in radians."""
-        difference = rot.multiply(rot.conjugate(self.loop), self.capture)
-        return rot.to_rotation_vector(difference).reshape(len(self.phase), -1)
+        return rot.vector_between(self.loop, self.capture).reshape(len(self.phase), -1)
 
 
 def lay(cycle: Cycle, motion: Motion, run: Span) -> Laid:

@@ -170,6 +170,17 @@ def period_of(loop: Seen, wraps: bool) -> Period:
 
     How many steps lie between them is told from the pose's speed and acceleration at both ends, if
     these explain the way between.
+
+    Parameters
+    ----------
+    loop : Seen
+        Of 8 frames or more.
+    wraps : bool
+        See `lint`.
+
+    Returns
+    -------
+    Period
     """
     frames = len(loop.joints)
     poses = loop.joints[:, loop.body :].reshape(frames, -1)

@@ -5,17 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from roundelay.base.threads import one_thread
+from roundelay.cycles.closing import closing_curve
 from roundelay.geometry import rotations as rot
 from roundelay.loops.lint import lint, period_of
 from roundelay.loops.unrolled import body_path, climb_of, seen
 from roundelay.motion.motion import Motion, concatenate
 
-__all__ = ["continued", "mended", "open_period"]
-
-Array = NDArray[np.float64]
+__all__ = ["continued", "mended"]
 
 
 @one_thread
@@ -40,7 +38,7 @@ def mended(motion: Motion, wraps: bool) -> Motion:
     faults = {fault.name for fault in lint(motion, wraps)}
     if not faults & {"frame too many", "frame missing", "pop", "drift"}:
         return motion
-    result = open_period(motion, wraps)
+    result = _open_period(motion, wraps)
     if "pop" in faults:
         result = _closed(result)
     if "drift" in faults:
@@ -48,10 +46,21 @@ def mended(motion: Motion, wraps: bool) -> Motion:
     return continued(result, 1) if wraps else result
 
 
-def open_period(motion: Motion, wraps: bool) -> Motion:
+def _open_period(motion: Motion, wraps: bool) -> Motion:
     """Return one period, the frame after whose last is the first again.
 
     Missing frames are put between the last and the first.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of 8 frames or more.
+    wraps : bool
+        See `roundelay.loops.lint.lint`.
+
+    Returns
+    -------
+    Motion
     """
     period = period_of(seen(motion), wraps)
     core = motion[: period.count]
@@ -91,21 +100,16 @@ def _closed(motion: Motion) -> Motion:
     """Spread the differences of the ends, in rotation and in its speed, over a period."""
     count = len(motion)
     around = continued(motion, 2).rotations
-    ending = _turn(around[-4], around[-3])
-    starting = _turn(around[-2], around[-1])
+    ending = rot.vector_between(around[-4], around[-3])
+    starting = rot.vector_between(around[-2], around[-1])
     reached = rot.multiply(around[-3], rot.from_rotation_vector(0.5 * (ending + starting)))
-    apart, faster = _turn(reached, around[-2]), starting - ending
-    x = ((np.arange(count) + 0.5) / count)[:, None, None]
-    # The first closes the poses; the second is alike at both ends, but not its slope.
-    turns = (x - 0.5) * apart + count * faster * (x * x - x + 1 / 6) / 2
+    # The join lies half a frame before the first.
+    x = (np.arange(count) + 0.5) / count
+    lack = rot.vector_between(reached, around[-2])
+    turns = closing_curve(lack, count * (starting - ending), x)
     return replace(
         motion, rotations=rot.multiply(motion.rotations, rot.from_rotation_vector(turns))
     )
-
-
-def _turn(first: Array, second: Array) -> Array:
-    """Return rotation vectors (J, 3) that lead from rotations to others."""
-    return rot.to_rotation_vector(rot.multiply(rot.conjugate(first), second))
 
 
 def _level(motion: Motion) -> Motion:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-__all__ = ["PRESETS", "Target", "Unit", "UpAxis", "preset_of"]
+__all__ = ["Target", "Unit", "UpAxis", "preset_of"]
 
 Target = Literal["unity", "unreal", "godot", "blender", "maya", "web"]
 Unit = Literal["file", "m", "cm"]
@@ -27,7 +27,7 @@ class _Preset:
 
 
 # Readers of FBX take lengths for centimetres, those of glTF for metres.
-PRESETS: dict[Target | None, _Preset] = {
+_PRESETS: dict[Target | None, _Preset] = {
     None: _Preset(),
     "unity": _Preset("fbx", 30, unit="cm", up="y", face_forward=True, root_bone=True),
     "unreal": _Preset("fbx", 30, unit="cm", up="y", face_forward=True, root_bone=True),
@@ -41,4 +41,4 @@ PRESETS: dict[Target | None, _Preset] = {
 
 def preset_of(target: Target | None) -> dict[str, Any]:
     """Return the options of a preset by name; those of no program for None."""
-    return vars(PRESETS[target])
+    return vars(_PRESETS[target])

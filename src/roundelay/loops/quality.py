@@ -13,11 +13,11 @@ from roundelay.base.spans import Spans
 from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry import rotations as rot
-from roundelay.geometry.contacts import find_feet, foot_points, skate
-from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.geometry.contacts import find_feet, skate
 from roundelay.loops.fit import Laid, lay, npss, rmse
 from roundelay.loops.thresholds import QUALITY
 from roundelay.motion.features import point_cloud
+from roundelay.motion.feet import touching
 from roundelay.motion.motion import Motion
 
 __all__ = ["Quality", "jerk", "quality", "velocity_changes"]
@@ -151,10 +151,7 @@ def _skates(cycle: Cycle, motion: Motion, runs: Spans) -> tuple[float, float]:
         return 0.0, 0.0
 
     def slid(part: Motion) -> float:
-        placed = forward_kinematics(
-            part.skeleton, part.rotations, part.root_path, translations=part.translations
-        )
-        points = foot_points(feet, *placed)
+        points = touching(part, feet)
         return skate(points, fps=part.fps, size=part.skeleton.size, up=part.up)
 
     periods = runs.total / (cycle.period * motion.fps)
@@ -166,11 +163,11 @@ def _skates(cycle: Cycle, motion: Motion, runs: Spans) -> tuple[float, float]:
 
 def _spectral_difference(laid: list[Laid], *, shift_invariant: bool) -> float:
     """Return the spectral difference of joints' turns from their mean, over all runs."""
-    middle = rot.conjugate(rot.mean(laid[0].capture))
+    middle = rot.mean(laid[0].capture)
     values = []
     for part in laid:
         turns = [
-            rot.to_rotation_vector(rot.multiply(middle, side)).reshape(len(part.phase), -1)
+            rot.vector_between(middle, side).reshape(len(part.phase), -1)
             for side in (part.capture, part.loop)
         ]
         values.append(npss(turns[0], turns[1], shift_invariant=shift_invariant))

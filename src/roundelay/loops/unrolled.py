@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from roundelay.base.numeric import TINY
 from roundelay.geometry import rotations as rot
-from roundelay.geometry.contacts import Foot, contacts, find_feet, foot_points, left_and_right
+from roundelay.geometry.contacts import Foot, contacts, left_and_right
 from roundelay.geometry.kinematics import forward_kinematics, heading
-from roundelay.geometry.skeleton import Skeleton
 from roundelay.loops.thresholds import GAIT, LINT
+from roundelay.motion.feet import feet_of
 from roundelay.motion.motion import Motion
 
 __all__ = [
@@ -68,23 +68,29 @@ class Seen:
 
 
 def seen(motion: Motion) -> Seen:
-    """Take the frames of a motion apart."""
+    """Take the frames of a motion apart.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of two frames or more.
+
+    Returns
+    -------
+    Seen
+    """
     skeleton, up, size = motion.skeleton, motion.up_vector, motion.skeleton.size
-    places, turned = forward_kinematics(
-        skeleton, motion.rotations, motion.root_path, translations=motion.translations
-    )
-    legs = find_feet(skeleton, places, motion.up)
+    legs, points = feet_of(motion)
     path, ahead = body_path(motion)
     back = rot.from_rotation_vector(-ahead[:, None] * up)
     ground = path * (1.0 - up)
-    points = foot_points(legs, places, turned) - ground[:, None]
     return Seen(
         motion,
-        rot.rotate(back[:, None], places - path[:, None]) / size,
-        _body(skeleton),
+        rot.rotate(back[:, None], motion.positions() - path[:, None]) / size,
+        skeleton.trunk[-1],
         motion.root_path[:, motion.up] / size,
         path[:, motion.up] / size,
-        rot.rotate(back[:, None], points) / size,
+        rot.rotate(back[:, None], points - ground[:, None]) / size,
         rot.rotate(back[:-1], np.diff(ground, axis=0)) / size,
         np.diff(ahead),
         legs,
@@ -92,21 +98,25 @@ def seen(motion: Motion) -> Seen:
 
 
 def body_path(motion: Motion) -> tuple[Array, Array]:
-    """Return the places (F, 3) of the body, and its heading (F,) in radians from the first on."""
-    body = _body(motion.skeleton)
+    """Return where the body is and heads.
+
+    Parameters
+    ----------
+    motion : Motion
+
+    Returns
+    -------
+    places : (F, 3) ndarray
+        In the skeleton's length unit.
+    heading : (F,) ndarray
+        In radians, unwrapped, from that of the first frame on.
+    """
+    body = motion.skeleton.trunk[-1]
     places, turned = forward_kinematics(
         motion.skeleton, motion.rotations, motion.root_path, translations=motion.translations
     )
     since = rot.multiply(turned[:, body], rot.conjugate(turned[:1, body]))
     return places[:, body], np.unwrap(heading(since, motion.up))
-
-
-def _body(skeleton: Skeleton) -> int:
-    """Return the joint where the skeleton branches first; the root where it does not."""
-    body = 0
-    while skeleton.parents[1:].count(body) == 1:
-        body = skeleton.parents.index(body)
-    return body if body in skeleton.parents else 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,16 +146,41 @@ class Steps:
 
 
 def climb_of(heights: Array, count: int, missing: int = 0) -> float:
-    """Return by how much heights rise in a period of `count` frames and some missing ones."""
+    """Return by how much heights rise in a period.
+
+    Parameters
+    ----------
+    heights : (F,) ndarray
+        Of the body or the root.
+    count : int
+        How many of the first frames are of the period; two or more.
+    missing : int
+        How many frames of the period are not there, behind those.
+
+    Returns
+    -------
+    float
+        In the unit of the heights.
+    """
     height = heights[:count]
     speed = 0.5 * (height[-1] - height[-2] + height[1] - height[0])
     return float(height[-1] + (missing + 1) * speed - height[0])
 
 
 def steps_of(loop: Seen, count: int) -> Steps:
-    """Find when feet stand and how they move then, in the first `count` frames as a period.
+    """Find when feet stand and how they move then.
 
     The body's climb is taken out first.
+
+    Parameters
+    ----------
+    loop : Seen
+    count : int
+        How many of the first frames are a period; three or more.
+
+    Returns
+    -------
+    Steps
     """
     up, fps = loop.motion.up, loop.motion.fps
     level = 1.0 - loop.motion.up_vector
@@ -203,7 +238,21 @@ class Gait:
 
 
 def gait_of(loop: Seen, count: int, below: Array) -> Gait | None:
-    """Find the gait of the first `count` frames as a period; None where feet do not alternate."""
+    """Find the gait of a loop.
+
+    Parameters
+    ----------
+    loop : Seen
+    count : int
+        How many of the first frames are a period.
+    below : (3,) ndarray
+        Velocity of standing feet relative to the body, as in `Steps`.
+
+    Returns
+    -------
+    Gait or None
+        None where there is no left and right foot, or they do not alternate.
+    """
     pair = left_and_right(loop.motion.skeleton, loop.legs)
     speed = float(np.linalg.norm(below))
     if pair is None or speed < TINY:

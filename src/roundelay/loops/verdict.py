@@ -15,11 +15,11 @@ from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.swings import swings
 from roundelay.geometry import rotations as rot
-from roundelay.geometry.contacts import Foot, find_feet, foot_points, skate
-from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.geometry.contacts import Foot, find_feet, skate
 from roundelay.loops.quality import Quality
 from roundelay.loops.thresholds import VERDICT
 from roundelay.loops.units import Lengths
+from roundelay.motion.feet import touching
 from roundelay.motion.motion import Motion
 from roundelay.timeline.evidence import Evidence
 from roundelay.timeline.limbs import Limb, body_of
@@ -157,8 +157,8 @@ def _slides(
     """Tell the feet that slide further in a period than in the capture."""
     feet = find_feet(motion.skeleton, motion.positions(), motion.up)
     runs = played.cycle.evidence.runs if played.cycle.evidence else ()
-    seen = [_touching(motion[start:stop], feet) for start, stop in runs]
-    shown = played.onward(_touching(played.loop, feet))
+    seen = [touching(motion[start:stop], feet) for start, stop in runs]
+    shown = played.onward(touching(played.loop, feet))
     usual = np.sum([_slid(points, motion) for points in seen], axis=0)
     usual *= played.cycle.period * motion.fps / sum(map(len, seen))
     slid = _slid(shown, played.loop) * played.period / (len(shown) - 1)
@@ -168,13 +168,6 @@ def _slides(
             name = _name(foot, limbs, motion.skeleton.names)
             told = f"{lengths.told(far)} ({lengths.told(before)} in the capture)"
             yield _Fault(f"{name} slides {told}", more > VERDICT.skids)
-
-
-def _touching(motion: Motion, feet: tuple[Foot, ...]) -> Array:
-    placed = forward_kinematics(
-        motion.skeleton, motion.rotations, motion.root_path, translations=motion.translations
-    )
-    return foot_points(feet, *placed)
 
 
 def _slid(points: Array, motion: Motion) -> Array:

@@ -233,6 +233,18 @@ class Motion:
             translations=None if moved is None else moved * factor,
         )
 
+    def turned(self, turn: ArrayLike) -> Motion:
+        """Return the motion with the world turned about the origin; the pose at rest stays.
+
+        Parameters
+        ----------
+        turn : (4,) array_like
+            A unit quaternion (w, x, y, z).
+        """
+        rotations = self.rotations.copy()
+        rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
+        return replace(self, rotations=rotations, root_path=rot.rotate(turn, self.root_path))
+
     def mirror(self) -> Motion:
         """Return the motion seen in a mirror: left and right joints change places.
 

@@ -86,23 +86,19 @@ def _draw(left: Axes, right: Axes, values: Array, fps: float, frames: int, title
 def _axes_of_turning(motion: Motion, joints: NDArray[np.intp]) -> tuple[Array, Array]:
     """Return each joint's mean pose (k, 4) and the axis (k, 3) about which it turns most."""
     means = rot.normalize(motion.rotations[:, joints].mean(axis=0))
-    vectors = rot.to_rotation_vector(
-        rot.multiply(rot.conjugate(means), motion.rotations[:, joints])
-    )
+    vectors = rot.vector_between(means, motion.rotations[:, joints])
     axes = [np.linalg.svd(vectors[:, k], full_matrices=False)[2][0] for k in range(len(joints))]
     return means, np.array(axes)
 
 
 def _degrees(motion: Motion, joints: NDArray[np.intp], means: Array, axes: Array) -> Array:
     """Return each joint's angle (F, k) from its mean pose, about its axis."""
-    away = rot.multiply(rot.conjugate(means), motion.rotations[:, joints])
-    return np.degrees(np.einsum("fkc,kc->fk", rot.to_rotation_vector(away), axes))
+    away = rot.vector_between(means, motion.rotations[:, joints])
+    return np.degrees(np.einsum("fkc,kc->fk", away, axes))
 
 
 def _liveliest(motion: Motion, count: int = 6) -> NDArray[np.intp]:
-    vectors = rot.to_rotation_vector(
-        rot.multiply(rot.conjugate(motion.rotations[:1]), motion.rotations)
-    )
+    vectors = rot.vector_between(motion.rotations[:1], motion.rotations)
     spread = vectors.var(axis=0).sum(axis=-1)
     spread[0] = 0.0
     return np.sort(np.argsort(spread)[::-1][:count])

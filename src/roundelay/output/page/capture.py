@@ -10,7 +10,7 @@ import numpy as np
 
 from roundelay.motion.motion import Motion
 from roundelay.output.figures.space import Space, bones
-from roundelay.output.page.feet import standing_feet
+from roundelay.output.page.feet import foot_spans
 from roundelay.output.page.packing import Packer
 
 __all__ = ["capture_data", "sampling_step"]
@@ -36,6 +36,6 @@ def capture_data(motion: Motion, space: Space, packer: Packer) -> dict[str, Any]
         "step": step,
         "joints": motion.skeleton.n_joints,
         "bones": [astuple(bone) for bone in bones(motion.skeleton)],
-        "feet": standing_feet(motion),
+        "feet": foot_spans(motion),
         "points": packer.add(points, common_step=True),
     }

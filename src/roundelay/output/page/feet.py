@@ -8,20 +8,16 @@ import numpy as np
 
 from roundelay.base.spans import Spans
 from roundelay.cycles.cycle import Cycle
-from roundelay.geometry.contacts import contacts, find_feet, foot_points
-from roundelay.geometry.kinematics import forward_kinematics
+from roundelay.geometry.contacts import contacts
+from roundelay.motion.feet import feet_of
 from roundelay.motion.motion import Motion
 
-__all__ = ["loop_feet", "standing_feet"]
+__all__ = ["foot_spans", "loop_feet"]
 
 
-def standing_feet(motion: Motion) -> list[dict[str, Any]]:
+def foot_spans(motion: Motion) -> list[dict[str, Any]]:
     """List each foot's joint and the half-open ranges of frames in which it stands."""
-    places, turns = forward_kinematics(
-        motion.skeleton, motion.rotations, motion.root_path, translations=motion.translations
-    )
-    feet = find_feet(motion.skeleton, places, motion.up)
-    points = foot_points(feet, places, turns)
+    feet, points = feet_of(motion)
     down = contacts(points, fps=motion.fps, size=motion.skeleton.size, up=motion.up)
     return [
         {"joint": foot.joint, "spans": Spans.of_mask(column)}
@@ -44,5 +40,5 @@ def loop_feet(cycle: Cycle) -> list[dict[str, Any]]:
                 if stop > count and start < 2 * count
             ],
         }
-        for foot in standing_feet(thrice)
+        for foot in foot_spans(thrice)
     ]

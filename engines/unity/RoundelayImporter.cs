@@ -2,8 +2,8 @@
 //
 // Put this file into a folder named Editor. For Walk_loop.fbx, made by
 //     roundelay loop Walk.bvh --for unity
-// the record Walk_loop.json must lie beside it. Clip, loop, root motion and events are set when
-// the model is imported, and again whenever it is.
+// the record Walk_loop.json must lie beside it (walk.json beside walk.fbx, if -o named that). Clip,
+// loop, root motion and events are set when the model is imported, and again whenever it is.
 
 using System;
 using System.Collections.Generic;
@@ -31,6 +31,8 @@ namespace Roundelay
     {
         public string target;
         public string root_bone;
+        public int frames;
+        public int frames_per_period;
         public RootMotion root_motion;
         public Event[] events;
     }
@@ -89,14 +91,16 @@ namespace Roundelay
             clip.keepOriginalPositionXZ = true;
             clip.keepOriginalPositionY = true;
             var events = new List<AnimationEvent>();
-            foreach (Event one in playback.events)
-            {
-                var made = new AnimationEvent();
-                made.functionName = Receiver;
-                made.stringParameter = one.name;
-                made.time = one.phase;
-                events.Add(made);
-            }
+            // Events are of one period; their times are shares of the clip, which may hold several.
+            for (int period = 0; period * playback.frames_per_period < playback.frames; period++)
+                foreach (Event one in playback.events)
+                {
+                    var made = new AnimationEvent();
+                    made.functionName = Receiver;
+                    made.stringParameter = one.name;
+                    made.time = (one.phase + period) * playback.frames_per_period / playback.frames;
+                    events.Add(made);
+                }
             clip.events = events.ToArray();
         }
 
@@ -105,15 +109,28 @@ namespace Roundelay
         {
             string folder = Path.GetDirectoryName(model);
             string name = Path.GetFileName(model);
-            foreach (string file in Directory.GetFiles(folder, "*_loop.json"))
+            foreach (string file in Directory.GetFiles(folder, "*.json"))
             {
-                var record = JsonUtility.FromJson<Record>(File.ReadAllText(file));
+                Record record = RecordIn(file);
                 if (record == null || record.cycles == null) continue;
                 foreach (Cycle cycle in record.cycles)
                     if (cycle.files != null && Array.IndexOf(cycle.files, name) >= 0)
                         return cycle.playback;
             }
             return null;
+        }
+
+        // Folders hold other files of that type, too: what is no record is passed over.
+        static Record RecordIn(string file)
+        {
+            try
+            {
+                return JsonUtility.FromJson<Record>(File.ReadAllText(file));
+            }
+            catch (ArgumentException)
+            {
+                return null;
+            }
         }
     }
 }

@@ -28,7 +28,7 @@ def import_loops(record: str, folder: str) -> list[Any]:
     Parameters
     ----------
     record : str
-        A ``NAME_loop.json``.
+        A ``NAME_loop.json``, or what ``-o`` named.
     folder : str
         Where assets go, such as ``/Game/Loops``.
 
@@ -55,8 +55,11 @@ def set_up(sequence: Any, playback: dict[str, Any]) -> None:
     if library.is_valid_anim_notify_track_name(sequence, TRACK):
         library.remove_animation_notify_track(sequence, TRACK)
     library.add_animation_notify_track(sequence, TRACK)
-    for event in playback["events"]:
-        library.add_animation_sync_marker(sequence, event["name"], event["seconds"], TRACK)
+    # Events are of one period; the sequence may hold several.
+    for start in range(0, playback["frames"], playback["frames_per_period"]):
+        for event in playback["events"]:
+            seconds = event["seconds"] + start / playback["fps"]
+            library.add_animation_sync_marker(sequence, event["name"], seconds, TRACK)
     unreal.EditorAssetLibrary.save_loaded_asset(sequence)
 
 

@@ -27,7 +27,7 @@ from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.events import begun
 from roundelay.cycles.models import cycle_models
 from roundelay.loops.options import LoopOptions
-from roundelay.loops.recipe import Loop, made_loop
+from roundelay.loops.recipe import Loop, made_loop, numbered
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses
 from roundelay.phase.tempo import time_phase
@@ -144,7 +144,7 @@ def make_loops(
     """
     render = chosen(LoopOptions, render)
     cycles = find_cycles(motion, search, progress=progress)
-    return [made_loop(cycle, motion, render) for cycle in cycles]
+    return [made_loop(cycle, motion, render) for cycle in numbered(cycles)]
 
 
 @one_thread

@@ -47,6 +47,35 @@ def test_the_importer_for_unity_compiles(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_the_importer_for_unity_sets_events_in_every_period(cycle, tmp_path):
+    compiler, runner = shutil.which("mcs"), shutil.which("mono")
+    if compiler is None or runner is None:
+        pytest.skip("needs a C# compiler and mono: apt-get install mono-mcs")
+    told = playback(cycle, "unity", periods=3)
+    count, frames = told["frames_per_period"], told["frames"]
+    sources = [Path(__file__).with_name(name) for name in ("unity_stubs.cs", "unity_run.cs")]
+    made = str(tmp_path / "made.exe")
+    words = ["-nowarn:0649", f"-out:{made}"]
+    subprocess.run([compiler, *words, str(UNITY), *map(str, sources)], check=True)
+    events = [word for event in told["events"] for word in (event["name"], str(event["phase"]))]
+    shown = subprocess.run(
+        [runner, made, str(frames), str(count), *events],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    lines = [line.rsplit(" ", 1) for line in shown.stdout.splitlines()]
+    wanted = [
+        (event["name"], (event["frame"] + k * count) / frames)
+        for k in range(3)
+        for event in told["events"]
+    ]
+    assert frames == 3 * count
+    assert [name for name, _ in lines] == [name for name, _ in wanted]
+    times = [float(time) for _, time in lines]
+    assert times == pytest.approx([time for _, time in wanted], abs=1e-5)
+
+
 def test_the_importer_for_unity_reads_names_of_the_record(cycle):
     told = playback(cycle, "unity")
     classes = re.findall(r"public class (\w+)\s*\{(.*?)\n    \}", UNITY.read_text(), re.DOTALL)
@@ -131,6 +160,17 @@ def importer(monkeypatch):
     module = importlib.util.module_from_spec(found)
     found.loader.exec_module(module)
     return module
+
+
+def test_the_importer_for_unreal_marks_every_period(importer, cycle):
+    told = playback(cycle, "unreal", periods=3)
+    sequence = AnimSequence("walk")
+    importer.set_up(sequence, told)
+    times = [seconds for _, seconds in sequence.tracks["roundelay"]]
+    period = told["frames_per_period"] / told["fps"]
+    once = [event["seconds"] for event in told["events"]]
+    assert times == pytest.approx([k * period + time for k in range(3) for time in once])
+    assert times == sorted(times)
 
 
 @pytest.mark.parametrize("in_place", [False, True])

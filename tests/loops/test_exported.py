@@ -13,6 +13,7 @@ from roundelay import synth
 from roundelay.geometry import rotations as rot
 from roundelay.loops.exported import exported, placement
 from roundelay.loops.presets import Target
+from roundelay.loops.recipe import placed
 
 TARGETS = get_args(Target)
 
@@ -69,6 +70,17 @@ def test_lengths_are_in_the_unit(walk, jump_cycles):
         )
         assert 0.5 < metres < 2.5
         assert centimetres == pytest.approx(100 * metres)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_resized_body_is_so_much_larger_in_any_unit(walk, factor):
+    sizes = []
+    for resize in (1.0, factor):
+        options = rl.LoopOptions(target="web", resize=resize)
+        cycle = placed(walk, options)
+        assert placement(cycle, options).metres == 1.0
+        sizes.append(exported(cycle, options).skeleton.size)
+    assert sizes[1] == pytest.approx(factor * sizes[0])
 
 
 def test_an_unknown_unit_stays(walk):

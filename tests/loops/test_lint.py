@@ -11,7 +11,7 @@ import roundelay as rl
 from roundelay import synth
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
-from roundelay.loops.lint import left_phase, lint, phase_of_set
+from roundelay.loops.lint import left_phase, lint, phase_of_set, taken_apart
 from roundelay.loops.mend import continued, mended
 from roundelay.loops.unrolled import seen, steps_of
 
@@ -84,6 +84,22 @@ def popped(loop, degrees):
     share = np.linspace(0.0, 1.0, len(loop))[:, None, None]
     turns = rot.from_rotation_vector(np.radians(degrees) * share * axes)
     return replace(loop, rotations=rot.multiply(loop.rotations, turns))
+
+
+@pytest.mark.parametrize("periods", [2, 3])
+@pytest.mark.parametrize("wraps", [False, True])
+def test_a_pop_at_every_join_of_a_file_is_found_and_spread(loop, periods, wraps):
+    """The joins between periods are not what the last one is measured by."""
+    once = popped(loop, 6.0)
+    bad = once
+    for _ in range(1, periods):
+        bad = continued(bad, len(once))
+    bad = continued(bad, 1) if wraps else bad
+    (alone,) = [fault for fault in lint(once, wraps=False) if fault.name == "pop"]
+    (fault,) = [fault for fault in lint(bad, wraps) if fault.name == "pop"]
+    assert fault.value == pytest.approx(alone.value, rel=1e-6)
+    again = mended(bad, wraps)
+    assert (names(again, wraps), len(again)) == ([], len(bad))
 
 
 @pytest.mark.parametrize("degrees", [6.0, 12.0])
@@ -200,6 +216,15 @@ def test_a_set_without_a_phase_of_its_own():
     assert phase_of_set([0.1, 0.1]) is None
     assert phase_of_set([0.0, 0.25, 0.5, 0.75]) is None
     assert phase_of_set([0.98, 0.02, 0.5]) in (0.98, 0.02)
+
+
+def test_a_loop_is_told_from_a_capture(cycle, loop):
+    capture = synth.gait("walk", repetitions=5.7, fps=60).motion
+    long = synth.gait("walk", repetitions=20, fps=60).motion
+    for whole in (loop, popped(loop, 3.0), loop[:-3], continued(loop, 2), cycle.sample(periods=2)):
+        assert taken_apart(whole, wraps=False).recognised
+    for part in (capture, synth.wander(6.0, fps=60).motion, long[: 15 * 60]):
+        assert not taken_apart(part, wraps=False).recognised
 
 
 def test_what_is_no_gait_has_no_phase():

@@ -16,6 +16,7 @@ from roundelay import synth
 from roundelay.cli import app
 from roundelay.cycles.edit.align import mirrored
 from roundelay.loops.recipe import placed, rendered
+from roundelay.output.records import loop_record
 
 README = Path(__file__).parents[2] / "README.md"
 
@@ -124,6 +125,15 @@ def test_what_is_mirrored_and_resized_is_the_loop_as_it_is_measured(walk):
     assert other.verdict == loop.verdict
     assert other.quality.template_error == pytest.approx(loop.quality.template_error, rel=1e-6)
     assert other.quality.seam_length == pytest.approx(100 * loop.quality.seam_length, rel=1e-3)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_resized_loop_tells_its_own_speed_in_metres(walk, loop, factor):
+    plain = loop_record(loop)["verdict"]
+    told = loop_record(rl.make_loops(walk, render=rl.LoopOptions(resize=factor))[0])["verdict"]
+    assert told["metres_a_unit"] == plain["metres_a_unit"] == 1.0
+    assert told["speed"] == pytest.approx(factor * plain["speed"])
+    assert (told["word"], told["body_size"]) == ("good", factor * plain["body_size"])
 
 
 def on_the_ground(motion: rl.Motion) -> rl.Motion:

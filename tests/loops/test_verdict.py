@@ -63,6 +63,19 @@ def test_a_break_at_the_join_is_told(walk, periods):
     assert "jerks where it is joined" in verdict.reasons[0]
 
 
+@pytest.mark.parametrize("periods", [2, 3])
+def test_a_break_at_every_join_is_told(walk, periods):
+    """What one period is judged by does not hide behind the others."""
+
+    def broken(loop: rl.Motion) -> rl.Motion:
+        path = loop.root_path.copy()
+        path[:, 1] += 0.2 * (np.arange(len(path)) % 66) / 66
+        return replace(loop, root_path=path)
+
+    assert judged(walk, broken, periods=periods) == judged(walk, broken)
+    assert judged(walk, broken).word == "do not use"
+
+
 @pytest.mark.parametrize(("metres", "word"), [(0.0, "good"), (0.1, "look"), (0.3, "do not use")])
 def test_feet_that_slide_are_told_in_centimetres(jumps, jump_cycles, metres, word):
     """Feet that stand in the capture, in a loop that sways from side to side."""
@@ -141,6 +154,13 @@ def test_the_unit_is_guessed_from_the_body(walk, factor, metres):
         assert lengths.told(0.04 / metres) == "4 cm"
         assert lengths.told(0.004 / metres) == "0.4 cm"
         assert lengths.told_speed(1.25 / metres).startswith("1.25 m/s (")
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0, 30.0])
+def test_the_unit_is_that_of_the_body_before_it_was_resized(walk, factor):
+    lengths = Lengths.of(walk.scaled(100.0 * factor).skeleton, factor)
+    assert lengths.metres == 0.01
+    assert lengths.told(5.0) == "5 cm"
 
 
 def test_the_unit_of_the_bundled_captures_is_known(jumps):

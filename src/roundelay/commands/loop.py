@@ -162,7 +162,7 @@ def _loops(
     progress: Progress | None,
 ) -> list[Loop]:
     """Make the loops of the whole capture, or of each of its segments."""
-    from roundelay.loops.recipe import made_loop
+    from roundelay.loops.recipe import made_loop, numbered
     from roundelay.pipeline import cycles_in_segments, make_loops
     from roundelay.segmentation import segment
 
@@ -171,7 +171,7 @@ def _loops(
     if search.frames is not None:
         raise ValueError("expected --frames or --per-behaviour, found both")
     cycles = cycles_in_segments(segment(motion), motion, search, progress=progress)
-    return [made_loop(cycle, motion, written) for cycle in cycles]
+    return [made_loop(cycle, motion, written) for cycle in numbered(cycles)]
 
 
 def _written(

@@ -58,13 +58,15 @@ class Placement:
         return self.scale * rot.rotate(rot.multiply(self.axes, self.turn), vector)
 
 
-def exported(cycle: Cycle, written: LoopOptions) -> Motion:
+def exported(cycle: Cycle, written: LoopOptions, sampled: Motion | None = None) -> Motion:
     """Return the frames of a loop as they are written.
 
     Parameters
     ----------
     cycle : Cycle
     written : LoopOptions
+    sampled : Motion, optional
+        The cycle's frames as the options sample them, if they are there already.
 
     Returns
     -------
@@ -75,7 +77,7 @@ def exported(cycle: Cycle, written: LoopOptions) -> Motion:
     ValueError
         If the program cannot tell all joints by their names.
     """
-    motion = cycle.sample(**written.sampling)
+    motion = cycle.sample(**written.sampling) if sampled is None else sampled
     if written.target is not None:
         _check_names(motion.skeleton, written.target)
     if written.root_bone and not written.in_place:
@@ -91,7 +93,7 @@ def placement(cycle: Cycle, written: LoopOptions) -> Placement:
 
     Lengths whose unit is not known stay as they are.
     """
-    metres = Lengths.of(cycle.skeleton).metres
+    metres = Lengths.of(cycle.skeleton, written.resize).metres
     wanted = _METRES.get(written.unit)
     scale = metres / wanted if metres and wanted else 1.0
     up = _AXES.get(written.up, cycle.up)

@@ -12,11 +12,25 @@ from roundelay.base.checks import expected
 from roundelay.base.errors import TooShort
 from roundelay.base.numeric import TINY
 from roundelay.base.threads import one_thread
+from roundelay.loops.join import join_ratio
 from roundelay.loops.thresholds import GAIT, LINT
 from roundelay.loops.unrolled import Gait, Seen, Steps, climb_of, gait_of, seen, steps_of
 from roundelay.motion.motion import Motion
+from roundelay.timeline.thresholds import CLOSING
 
-__all__ = ["Fault", "Period", "left_phase", "lint", "odd_rate", "period_of", "phase_of_set"]
+__all__ = [
+    "Apart",
+    "Fault",
+    "Period",
+    "faults_of",
+    "left_phase",
+    "lint",
+    "odd_rate",
+    "period_of",
+    "phase_of_set",
+    "repeating",
+    "taken_apart",
+]
 
 Array = NDArray[np.float64]
 
@@ -47,7 +61,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class Period:
-    """Which frames of a file are one period.
+    """Which frames of a file are one period, or several.
 
     Attributes
     ----------
@@ -59,12 +73,56 @@ class Period:
         So many more frames are in the file than its format wants; less than 0 if they are missing.
     measured : float
         The same, not rounded.
+    one : int
+        Frames of a period, those that are missing too: fewer where the same poses come again.
     """
 
     count: int
     missing: int
     over: int
     measured: float
+    one: int
+
+
+@dataclass(frozen=True, eq=False)
+class Apart:
+    """A file of a loop taken apart.
+
+    Attributes
+    ----------
+    wraps : bool
+        See `lint`.
+    seen : Seen
+    period : Period
+    steps : Steps
+    gait : Gait or None
+    """
+
+    wraps: bool
+    seen: Seen
+    period: Period
+    steps: Steps
+    gait: Gait | None
+
+    @property
+    def phase(self) -> float | None:
+        """Where in a gait the left foot is farthest ahead, in turns of a stride; else None."""
+        return None if self.gait is None else self.gait.phase
+
+    @property
+    def recognised(self) -> bool:
+        """Whether it is a loop at all, with faults or without.
+
+        The ends of one lie nearer to each other than poses do to their mean, but for frames that
+        are missing; a long take with such ends must also tell its period.
+        """
+        if self.period.missing:
+            return True
+        poses = self.seen.poses[: self.period.count]
+        apart = float(np.linalg.norm(poses[-1] - poses[0]))
+        known = self.period.measured != 0.0 or self.period.one < self.period.count
+        short = len(poses) <= CLOSING.longest * self.seen.motion.fps
+        return apart <= float(np.sqrt(np.var(poses, axis=0).sum())) and (known or short)
 
 
 @one_thread
@@ -74,7 +132,8 @@ def lint(motion: Motion, wraps: bool, set_phase: float | None = None) -> tuple[F
     Parameters
     ----------
     motion : Motion
-        One period or several, as they are in the file.
+        One period or several, as they are in the file: several are told by their poses, which
+        come again as they were.
     wraps : bool
         Whether the format's players go from the last key to the first without any time between, so
         that the last should repeat the first; see `roundelay.formats.wraps_at_last_key`. Lengths
@@ -93,43 +152,45 @@ def lint(motion: Motion, wraps: bool, set_phase: float | None = None) -> tuple[F
     TooShort
         If there are fewer than 8 frames.
     """
-    loop = _checked(motion)
+    return faults_of(taken_apart(motion, wraps), set_phase)
+
+
+@one_thread
+def taken_apart(motion: Motion, wraps: bool) -> Apart:
+    """Find period, steps and gait of a loop. Arguments and errors as of `lint`."""
+    frames = len(expected(Motion, motion))
+    if frames < LINT.shortest:
+        raise TooShort(f"a loop needs at least {LINT.shortest} frames, found {frames}")
+    loop = seen(motion)
     period = period_of(loop, wraps)
     steps = steps_of(loop, period.count)
-    gait = gait_of(loop, period.count, steps.below)
+    return Apart(wraps, loop, period, steps, gait_of(loop, period.count, steps.below))
+
+
+@one_thread
+def faults_of(loop: Apart, set_phase: float | None = None) -> tuple[Fault, ...]:
+    """Find the faults of a loop that was taken apart, as `lint` does."""
     found = [
-        *_miscounted(period, wraps),
-        *_pop(loop, period, wraps),
-        *_slide(loop, steps),
-        *_drift(loop, period, steps),
-        *_rate(loop, period, steps, gait),
-        *_unit(motion, wraps),
-        *_bob(loop, period),
-        *_out_of_phase(gait, set_phase),
+        *_miscounted(loop.period, loop.wraps),
+        *_pop(loop.seen, loop.period, loop.wraps),
+        *_slide(loop.seen, loop.steps),
+        *_drift(loop.seen, loop.period, loop.steps),
+        *_rate(loop),
+        *_unit(loop.seen.motion, loop.wraps),
+        *_bob(loop.seen, loop.period),
+        *_out_of_phase(loop.gait, set_phase),
     ]
     return tuple(found)
 
 
-def _checked(motion: Motion) -> Seen:
-    frames = len(expected(Motion, motion))
-    if frames < LINT.shortest:
-        raise TooShort(f"a loop needs at least {LINT.shortest} frames, found {frames}")
-    return seen(motion)
-
-
-@one_thread
 def left_phase(motion: Motion, wraps: bool) -> float | None:
     """Tell where in a gait the left foot is farthest ahead, in turns of a stride.
 
     None if the motion is no gait. Arguments and errors as of `lint`.
     """
-    loop = _checked(motion)
-    count = period_of(loop, wraps).count
-    gait = gait_of(loop, count, steps_of(loop, count).below)
-    return None if gait is None else gait.phase
+    return taken_apart(motion, wraps).phase
 
 
-@one_thread
 def odd_rate(motion: Motion, wraps: bool) -> Fault | None:
     """Find out whether a gait takes too short or too long for a person, as `lint` does.
 
@@ -137,11 +198,7 @@ def odd_rate(motion: Motion, wraps: bool) -> Fault | None:
     """
     if len(motion) < LINT.shortest:
         return None
-    loop = seen(motion)
-    period = period_of(loop, wraps)
-    steps = steps_of(loop, period.count)
-    gait = gait_of(loop, period.count, steps.below)
-    return next(_rate(loop, period, steps, gait), None)
+    return next(_rate(taken_apart(motion, wraps)), None)
 
 
 def phase_of_set(phases: Sequence[float]) -> float | None:
@@ -182,8 +239,7 @@ def period_of(loop: Seen, wraps: bool) -> Period:
     -------
     Period
     """
-    frames = len(loop.joints)
-    poses = loop.joints[:, loop.body :].reshape(frames, -1)
+    poses, frames = loop.poses, len(loop.joints)
     steps, left, pace = _steps_across(poses)
     fastest = float(np.linalg.norm(np.diff(poses, axis=0), axis=1).max())
     known = left <= LINT.unlike * pace * max(1.0, abs(steps)) and pace > LINT.slow * fastest
@@ -191,8 +247,26 @@ def period_of(loop: Seen, wraps: bool) -> Period:
     measured = (0.0 if wraps else 1.0) - steps if known else 0.0
     over = round(measured) if abs(measured) > LINT.miscount else 0
     over = min(over, frames - LINT.shortest)
-    dropped = max(0, over + int(wraps))
-    return Period(frames - dropped, max(0, -over - int(wraps)), over, measured)
+    count, missing = frames - max(0, over + int(wraps)), max(0, -over - int(wraps))
+    return Period(count, missing, over, measured, repeating(poses[:count], count + missing))
+
+
+def repeating(poses: Array, frames: int) -> int:
+    """Return of how many frames a period is: fewer than all, if the same poses come again.
+
+    Parameters
+    ----------
+    poses : (n, d) ndarray
+    frames : int
+        Of all periods: n, and those that are missing at the end.
+    """
+    step = float(np.median(np.linalg.norm(np.diff(poses, axis=0), axis=1)))
+    for period in range(LINT.shortest, frames // 2 + 1):
+        if frames % period == 0:
+            changes = np.linalg.norm(poses[period:] - poses[:-period], axis=1)
+            if changes.max() <= LINT.same * step:
+                return period
+    return frames
 
 
 def _steps_across(poses: Array) -> tuple[float, float, float]:
@@ -229,18 +303,12 @@ def _miscounted(period: Period, wraps: bool) -> Iterator[Fault]:
 
 
 def _pop(loop: Seen, period: Period, wraps: bool) -> Iterator[Fault]:
-    """Compare second differences of the joints' places at the join with those elsewhere."""
+    """Compare second differences of the joints' places at the joins with those elsewhere."""
     joints = loop.joints[:, loop.body :]
     poses = joints[: period.count]
     filled = np.concatenate([poses, _between(poses, period.missing)])
-    around = np.concatenate([filled[-1:], filled, filled[:1]])
-    bends = np.linalg.norm(np.diff(around, n=2, axis=0), axis=-1).max(axis=1)
-    inner = slice(1, period.count - 1)
-    join = [bends[0], *bends[period.count - 1 :]]
-    if wraps and not period.over:
-        last = joints[-1]
-        join.append(np.linalg.norm(poses[-1] - 2 * last + poses[1], axis=-1).max())
-    value = float(max(join) / max(bends[inner].max(), TINY))
+    last = joints[-1] if wraps and not period.over else None
+    value = join_ratio(filled, period.one, missing=period.missing, last_key=last)
     if value > LINT.pop:
         says = "joints jerk at the join more than anywhere else"
         yield Fault("pop", value, LINT.pop, "times the largest jerk elsewhere", says)
@@ -283,7 +351,8 @@ def _drift(loop: Seen, period: Period, steps: Steps) -> Iterator[Fault]:
         yield Fault("drift", abs(climb), LINT.climb, "body sizes a period", says)
 
 
-def _rate(loop: Seen, period: Period, steps: Steps, gait: Gait | None) -> Iterator[Fault]:
+def _rate(apart: Apart) -> Iterator[Fault]:
+    loop, period, steps, gait = apart.seen, apart.period, apart.steps, apart.gait
     if gait is None:
         return
     frames = (period.count + period.missing) / gait.strides

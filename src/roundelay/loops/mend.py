@@ -9,7 +9,7 @@ import numpy as np
 from roundelay.base.threads import one_thread
 from roundelay.cycles.closing import closing_curve
 from roundelay.geometry import rotations as rot
-from roundelay.loops.lint import lint, period_of
+from roundelay.loops.lint import lint, period_of, repeating
 from roundelay.loops.unrolled import body_path, climb_of, seen
 from roundelay.motion.motion import Motion, concatenate
 
@@ -40,7 +40,7 @@ def mended(motion: Motion, wraps: bool) -> Motion:
         return motion
     result = _open_period(motion, wraps)
     if "pop" in faults:
-        result = _closed(result)
+        result = _closed_each(result)
     if "drift" in faults:
         result = _level(result)
     return continued(result, 1) if wraps else result
@@ -94,6 +94,15 @@ def continued(motion: Motion, frames: int, *, steps: int = 1) -> Motion:
     rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
     moved = start + rot.rotate(turn, again.root_path - body[0])
     return concatenate([motion, replace(again, rotations=rotations, root_path=moved)])
+
+
+def _closed_each(motion: Motion) -> Motion:
+    """Close a period, and lay the others of its kind behind it again."""
+    period = repeating(seen(motion).poses, len(motion))
+    result = _closed(motion[:period])
+    for _ in range(1, len(motion) // period):
+        result = continued(result, period)
+    return result
 
 
 def _closed(motion: Motion) -> Motion:

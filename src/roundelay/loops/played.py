@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from roundelay.cycles.cycle import Cycle
+from roundelay.geometry.skeleton import Skeleton
+from roundelay.geometry.symmetry import sides
 from roundelay.loops.exported import placement, root_bone_name
 
 if TYPE_CHECKING:
@@ -27,9 +29,9 @@ def player_record(told: dict[str, Any], cycle: Cycle, written: LoopOptions) -> d
     -------
     dict
         ``target``; ``clip``, the animation's name; ``metres_a_unit``; ``root_bone``, its name
-        where one was asked for; ``events``: names, frames, seconds and phases of quarter phases
-        and of feet that come down and leave the ground, in order of time; the root motion and
-        depths in the file's world.
+        where one was asked for; ``events``: names, frames, seconds and phases of the markers and
+        of feet that come down and leave the ground and have no marker, in order of time; the root
+        motion and depths in the file's world.
     """
     where = placement(cycle, written)
     carries = written.root_bone and not written.in_place
@@ -43,16 +45,17 @@ def player_record(told: dict[str, Any], cycle: Cycle, written: LoopOptions) -> d
         "root_bone": root_bone_name(cycle.skeleton) if carries else None,
         "root_motion": motion,
         "collisions": met,
-        "events": _events(told),
+        "events": _events(told, cycle.skeleton),
     }
 
 
-def _events(told: dict[str, Any]) -> list[dict[str, Any]]:
+def _events(told: dict[str, Any], skeleton: Skeleton) -> list[dict[str, Any]]:
     """List moments of one period by name, in order of time."""
     count, rate = told["frames_per_period"], told["fps"]
     found = [(one["name"], one["frame"]) for one in told["markers"]]
+    marked = _marked(told, skeleton)
     for foot, stands in told["contacts"].items():
-        for start, stop in stands:
+        for start, stop in stands if foot not in marked else ():
             # A foot that never leaves the ground has no moment at which it comes down.
             if stop - start < count:
                 found += [(f"{foot} down", start), (f"{foot} up", stop % count)]
@@ -61,3 +64,10 @@ def _events(told: dict[str, Any]) -> list[dict[str, Any]]:
         {"name": name, "frame": frame, "seconds": frame / rate, "phase": frame / count}
         for name, frame in found
     ]
+
+
+def _marked(told: dict[str, Any], skeleton: Skeleton) -> set[str]:
+    """Return the joints of the sides whose foot's contact or leaving a marker names already."""
+    named = {one["name"].partition(" ")[0] for one in told["markers"]}
+    pairs = zip(("left", "right"), sides(skeleton), strict=True)
+    return {skeleton.names[joint] for side, joints in pairs if side in named for joint in joints}

@@ -25,7 +25,7 @@ from roundelay.loops.quality import Quality, quality
 from roundelay.loops.verdict import Verdict, verdict_of
 from roundelay.motion.motion import Motion
 
-__all__ = ["Loop", "Rendered", "made_loop", "placed", "rendered", "rendered_motion"]
+__all__ = ["Loop", "Rendered", "made_loop", "numbered", "placed", "rendered", "rendered_motion"]
 
 _Placed = TypeVar("_Placed", Cycle, Motion)
 
@@ -132,14 +132,28 @@ def made_loop(cycle: Cycle, capture: Motion, render: LoopOptions | None = None) 
         If the cycle carries no evidence of where it was found.
     """
     render, capture = chosen(LoopOptions, render), expected(Motion, capture)
-    found = rendered(cycle, source_parts(expected(Cycle, cycle), capture), render)
+    found, plain = _rendered(cycle, source_parts(expected(Cycle, cycle), capture), render)
     capture = placed(capture, render)
     figures = quality(found.cycle, capture)
-    plain = found.cycle.sample(**render.sampling)
-    in_place = bool(render.in_place)
-    verdict = verdict_of(found.cycle, capture, plain, figures, in_place=in_place)
+    verdict = verdict_of(
+        found.cycle,
+        capture,
+        plain,
+        figures,
+        in_place=bool(render.in_place),
+        resized=render.resize,
+    )
     _tell_odd_rate(found)
     return Loop(**vars(found), quality=figures, verdict=verdict)
+
+
+def numbered(cycles: Sequence[Cycle]) -> list[Cycle]:
+    """Name the cycles of one capture as the files of their loops are told apart."""
+    named = [
+        (cycle, cycle.name if n == 1 else f"{cycle.name}_loop{n}")
+        for n, cycle in enumerate(cycles, 1)
+    ]
+    return [replace(cycle, name=name) for cycle, name in named]
 
 
 def _tell_odd_rate(found: Rendered) -> None:
@@ -148,7 +162,7 @@ def _tell_odd_rate(found: Rendered) -> None:
     if fault is not None:
         warnings.warn(
             f"{found.cycle.name}: {fault.says} ({fault.value:.2f} s); if the capture's frame rate "
-            "is wrong, give it by --capture-fps (in Python by fps of read)",
+            "is wrong, read it with the true one (--capture-fps on the command line)",
             RoundelayWarning,
             stacklevel=3,
         )
@@ -170,12 +184,20 @@ def rendered(cycle: Cycle, sources: Sequence[Motion], render: LoopOptions) -> Re
     SkeletonMismatch
         If it shall be mirrored, and a joint of one side has no partner on the other.
     """
+    return _rendered(cycle, sources, render)[0]
+
+
+def _rendered(
+    cycle: Cycle, sources: Sequence[Motion], render: LoopOptions
+) -> tuple[Rendered, Motion]:
+    """Return also the frames in the capture's world."""
     cycle = started(placed(cycle, render), render.start)
     parted: tuple[Mended, ...] = ()
     if render.repair:
         cycle, parted = repaired(cycle, [placed(each, render) for each in sources])
     playback = profiles[render.profile].record(cycle, render, parted)
-    return Rendered(cycle, exported(cycle, render), playback, parted, render)
+    plain = cycle.sample(**render.sampling)
+    return Rendered(cycle, exported(cycle, render, plain), playback, parted, render), plain
 
 
 @one_thread

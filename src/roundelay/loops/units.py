@@ -28,16 +28,23 @@ class Lengths:
     metres: float | None
 
     @classmethod
-    def of(cls, skeleton: Skeleton) -> Lengths:
+    def of(cls, skeleton: Skeleton, resized: float = 1.0) -> Lengths:
         """Guess the unit in which a skeleton is as large as a person.
 
         What lies above the hips, such as a bone on the ground, is no part of the body.
+
+        Parameters
+        ----------
+        skeleton : Skeleton
+        resized : float
+            By what it was multiplied on purpose: it need be a person's before, not now.
         """
         offsets = skeleton.offsets.copy()
         offsets[list(skeleton.trunk)] = 0.0
         size = replace(skeleton, offsets=offsets).size
         known = np.array(UNITS.metres)
-        fits = np.flatnonzero((size * known >= UNITS.shortest) & (size * known <= UNITS.longest))
+        metres = size / resized * known
+        fits = np.flatnonzero((metres >= UNITS.shortest) & (metres <= UNITS.longest))
         return cls(size, float(known[fits[0]]) if len(fits) else None)
 
     def told(self, length: float) -> str:

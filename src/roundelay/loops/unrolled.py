@@ -66,6 +66,11 @@ class Seen:
     turns: Array
     legs: tuple[Foot, ...]
 
+    @property
+    def poses(self) -> Array:
+        """Poses (F, d) of the body: its joints as one row a frame."""
+        return self.joints[:, self.body :].reshape(len(self.joints), -1)
+
 
 def seen(motion: Motion) -> Seen:
     """Take the frames of a motion apart.

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.checks import expected
-from roundelay.base.numeric import SMALLEST
 from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.swings import swings
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import Foot, find_feet, skate
+from roundelay.loops.join import join_ratio
 from roundelay.loops.quality import Quality
 from roundelay.loops.thresholds import VERDICT
 from roundelay.loops.units import Lengths
@@ -94,7 +94,13 @@ class _Played:
 
 @one_thread
 def verdict_of(
-    cycle: Cycle, motion: Motion, loop: Motion, figures: Quality, *, in_place: bool = False
+    cycle: Cycle,
+    motion: Motion,
+    loop: Motion,
+    figures: Quality,
+    *,
+    in_place: bool = False,
+    resized: float = 1.0,
 ) -> Verdict:
     """Judge a loop as it is played, against the capture it was made from.
 
@@ -110,6 +116,8 @@ def verdict_of(
         As from `quality`.
     in_place : bool
         Whether the loop leaves travel and turning out.
+    resized : float
+        By what all lengths were multiplied since they were read.
 
     Returns
     -------
@@ -125,7 +133,7 @@ def verdict_of(
         raise ValueError("expected a cycle found in a capture, with its evidence")
     motion, limbs = motion.with_root_motion(), body_of(motion).limbs
     played = _Played(cycle, loop.with_root_motion(), in_place)
-    lengths = Lengths.of(motion.skeleton)
+    lengths = Lengths.of(motion.skeleton, resized)
     faults = [
         *_jerks(played),
         *_slides(played, motion, limbs, lengths),
@@ -141,11 +149,9 @@ def verdict_of(
 def _jerks(played: _Played) -> Iterator[_Fault]:
     """Tell of a join at which a joint is accelerated more than anywhere else."""
     points = played.along(played.loop.positions())
-    if len(points) < 4:
+    if played.period < 4:
         return
-    around = np.concatenate([points, points[:2]])
-    changes = np.linalg.norm(np.diff(around, n=2, axis=0), axis=-1).max(axis=1)
-    times = float(changes[-2:].max() / max(changes[:-2].max(), SMALLEST))
+    times = join_ratio(points, played.period)
     if times > VERDICT.jerks:
         reason = f"jerks where it is joined, {times:.1f} times as hard as anywhere else"
         yield _Fault(reason, times > VERDICT.breaks)

@@ -71,15 +71,15 @@ def cycle_record(cycle: Cycle, figures: Quality, files: Sequence[Path] = ()) -> 
 def loop_record(loop: Loop, files: Sequence[Path] = ()) -> dict[str, Any]:
     """Describe a loop: its verdict, its cycle, its frames and what players need."""
     return (
-        {"verdict": verdict_record(loop.verdict, loop.cycle)}
+        {"verdict": verdict_record(loop.verdict, loop.cycle, loop.render.resize)}
         | cycle_record(loop.cycle, loop.quality, files)
         | {"loop_frames": len(loop.motion), "playback": loop.playback}
     )
 
 
-def verdict_record(verdict: Verdict, cycle: Cycle) -> dict[str, Any]:
-    """Describe whether a loop can be used, and how fast it goes."""
-    lengths = Lengths.of(cycle.skeleton)
+def verdict_record(verdict: Verdict, cycle: Cycle, resized: float = 1.0) -> dict[str, Any]:
+    """Describe whether a loop, whose lengths were multiplied, can be used, and how fast it goes."""
+    lengths = Lengths.of(cycle.skeleton, resized)
     return {
         "word": verdict.word,
         "reasons": list(verdict.reasons),

@@ -185,7 +185,7 @@ def test_names_that_are_no_text(clips, tmp_path):
 
 
 def test_faults_of_the_program_do_not_end_the_work(clips, tmp_path, monkeypatch):
-    def broken(motion, render):
+    def broken(motion, render, timeline):
         raise ZeroDivisionError("a fault")
 
     monkeypatch.setattr("roundelay.library.clips.make_loops", broken)

@@ -18,7 +18,7 @@ def model_of(capture):
 
 def brute_force(model, shortest, evidence):
     """Optimal partition without pruning, O(n^2)."""
-    grid, least = gaussian._grid(model, shortest)
+    grid, least = gaussian._grid(model, shortest, 0, len(model))
     penalty = evidence * model.penalty
     best, previous = [-penalty], [0]
     for stop in range(1, len(grid)):
@@ -36,7 +36,7 @@ def brute_force(model, shortest, evidence):
 @pytest.mark.parametrize("evidence", [0.02, 0.1, 0.3, 1.0, 3.0])
 def test_pruned_search_is_exact(capture, evidence):
     model = model_of(capture)
-    assert gaussian._search(model, 1.0, evidence) == brute_force(model, 1.0, evidence)
+    assert gaussian.search(model, 1.0, evidence) == brute_force(model, 1.0, evidence)
 
 
 def test_cuts_keep_the_shortest_segment(capture):

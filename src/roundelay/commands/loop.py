@@ -163,8 +163,7 @@ def _loops(
 ) -> list[Loop]:
     """Make the loops of the whole capture, or of each of its segments."""
     from roundelay.loops.recipe import made_loop, numbered
-    from roundelay.pipeline import cycles_in_segments, make_loops
-    from roundelay.segmentation import segment
+    from roundelay.pipeline import cycles_in_segments, make_loops, segment
 
     if not per_behaviour:
         return make_loops(motion, search, written, progress=progress)

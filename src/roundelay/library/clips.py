@@ -19,8 +19,9 @@ from roundelay.loops.options import LoopOptions
 from roundelay.loops.recipe import Loop
 from roundelay.motion.motion import Motion
 from roundelay.output.records import loop_record
-from roundelay.pipeline import make_loops
-from roundelay.segmentation import segment
+from roundelay.pipeline import make_loops, segment, understand
+from roundelay.timeline.behaviours import Timeline
+from roundelay.timeline.thresholds import SEARCH
 
 __all__ = ["LOOPS", "Clip", "lost_clip", "made_entry"]
 
@@ -106,8 +107,9 @@ def made_entry(clip: Clip) -> Entry:
 
 
 def _analysed(clip: Clip, motion: Motion) -> tuple[dict[str, Any], Spectra | None]:
+    told = understand(motion) if len(motion) >= SEARCH.fewest else None
     try:
-        loops, reason = make_loops(motion, render=clip.options), None
+        loops, reason = make_loops(motion, render=clip.options, timeline=told), None
     except (NoPeriod, TooShort) as refusal:
         loops, reason = [], str(refusal)
     record = {
@@ -116,7 +118,7 @@ def _analysed(clip: Clip, motion: Motion) -> tuple[dict[str, Any], Spectra | Non
         "fps": round(motion.fps, 6),
         "seconds": round(motion.duration, 6),
         "joints": motion.skeleton.n_joints,
-        "segments": _segments(motion),
+        "segments": _segments(motion, told),
         "cycles": [_written(clip, *numbered) for numbered in enumerate(loops, 1)],
         "reason": reason,
         "error": None,
@@ -141,10 +143,10 @@ def _refused(clip: Clip, error: Exception, stamp: dict[str, Any] | None) -> Entr
     return Entry(record | {"reason": None, "error": line}, stamp)
 
 
-def _segments(motion: Motion) -> list[dict[str, Any]]:
+def _segments(motion: Motion, told: Timeline | None) -> list[dict[str, Any]]:
     """Cut the capture into behaviours, if it has the joints for it and is long enough."""
     try:
-        found = segment(motion)
+        found = segment(motion, timeline=told)
     except RoundelayError:
         return []
     kept = ("start_frame", "end_frame", "label")

@@ -6,6 +6,7 @@ import numpy as np
 
 from roundelay.base.errors import TooShort
 from roundelay.base.registry import Registry
+from roundelay.segmentation.behaviours import Behaviours
 from roundelay.segmentation.gaussian import (
     GaussianOptions,
     cut_evidence,
@@ -18,11 +19,11 @@ from roundelay.segmentation.pca import OnlinePCA, PCAOptions
 from roundelay.segmentation.ppca import PPCAOptions, ppca_cuts
 from roundelay.segmentation.result import Curve
 
-__all__ = ["GMM", "PCA", "PPCA", "Gaussian", "segmentation_methods"]
+__all__ = ["GMM", "PCA", "PPCA", "Behaviours", "Gaussian", "segmentation_methods"]
 
 
 class Gaussian:
-    """The default: piecewise Gaussian, by penalised likelihood."""
+    """What the default proposes: piecewise Gaussian, by penalised likelihood."""
 
     name = "gaussian"
     options = GaussianOptions()
@@ -97,6 +98,7 @@ class GMM:
 segmentation_methods: Registry[SegmentationMethod] = Registry(
     "segmentation method", "roundelay.segmentation_methods", SegmentationMethod
 )
+segmentation_methods.add(Behaviours())
 segmentation_methods.add(Gaussian())
 segmentation_methods.add(PCA())
 segmentation_methods.add(PPCA())

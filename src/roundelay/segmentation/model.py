@@ -8,6 +8,7 @@ as good as independent.
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +19,7 @@ from roundelay.segmentation.labels import recurring_labels
 from roundelay.segmentation.moments import Moments, principal_axes
 from roundelay.segmentation.thresholds import MODEL
 
-__all__ = ["GaussianModel"]
+__all__ = ["GaussianModel", "smoothed"]
 
 Array = NDArray[np.float64]
 
@@ -52,7 +53,7 @@ class GaussianModel:
         self.resolution = MODEL.relative * total if resolution is None else resolution
         kept = variances > (MODEL.negligible * self.resolution) ** 2
         moving = (thinned - thinned.mean(axis=0)) @ axes[:, kept]
-        self.points = _smoothed(moving, MODEL.smoothing * self.fps)
+        self.points = smoothed(moving, MODEL.smoothing * self.fps, ends="edge")
         self.dimension = float(np.sum(variances / (variances + self.resolution**2 + SMALLEST)))
         self.still = not kept.any()
 
@@ -105,11 +106,21 @@ def _thinned(values: Array, step: int) -> Array:
     return np.add.reduceat(values, starts, axis=0) / counts[:, None]
 
 
-def _smoothed(values: Array, deviation: float) -> Array:
-    """Smooth over time with a Gaussian of `deviation` frames, ends held."""
+def smoothed(values: Array, deviation: float, *, ends: Literal["edge", "reflect"]) -> Array:
+    """Smooth values (n, d) over time with a Gaussian.
+
+    Parameters
+    ----------
+    values : (n, d) ndarray
+    deviation : float
+        Standard deviation, in frames.
+    ends : str
+        What is beyond the ends: the last value, or what lies before it, mirrored.
+    """
     reach = int(np.ceil(MODEL.kernel * deviation))
+    reach = min(reach, len(values) - 1) if ends == "reflect" else reach
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / deviation) ** 2)
-    padded = np.pad(values, ((reach, reach), (0, 0)), mode="edge")
+    padded = np.pad(values, ((reach, reach), (0, 0)), mode=ends)
     smooth = np.zeros_like(values)
     for shift, weight in enumerate(weights / weights.sum()):
         smooth += weight * padded[shift : shift + len(values)]

@@ -37,6 +37,8 @@ __all__ = [
     "exit_code",
     "fail",
     "in_format_of",
+    "in_one_line",
+    "input_errors",
     "one_line_errors",
     "output_directory",
     "place_of",
@@ -99,27 +101,37 @@ def one_line_errors(capture: Path | None = None) -> Iterator[None]:
     The work inside is done with one thread, also what draws its results.
     Errors that name no file themselves are those of `capture`, if that is given.
     """
-    from roundelay.base.errors import FormatError, NoPeriod, RoundelayError
+    from roundelay.base.errors import NoPeriod
     from roundelay.base.threads import one_thread
-
-    named = "" if capture is None else f"{capture}: "
 
     with one_thread, warnings.catch_warnings():
         warnings.showwarning = _show_warning
         try:
             yield
-        except NoPeriod as error:
-            fail(f"{named}{error}", NO_PERIOD)
-        except (FormatError, ValueError) as error:
-            fail(str(error))
-        except RoundelayError as error:
-            fail(f"{named}{error}")
         except BrokenPipeError:
             raise
-        except OSError as error:
-            fail(f"{error.filename or 'file'}: {error.strerror or error}")
-        except MemoryError:
-            fail(f"{named}out of memory")
+        except input_errors() as error:
+            code = NO_PERIOD if isinstance(error, NoPeriod) else BAD_INPUT
+            fail(in_one_line(error, capture), code)
+
+
+def input_errors() -> tuple[type[Exception], ...]:
+    """Return the errors that are the input's, or the machine's, and no fault of the program."""
+    from roundelay.base.errors import RoundelayError
+
+    return RoundelayError, ValueError, OSError, MemoryError
+
+
+def in_one_line(error: Exception, capture: Path | None = None) -> str:
+    """Tell an error of the input in one line; one that names no file is that of the capture."""
+    from roundelay.base.errors import FormatError
+
+    if isinstance(error, FormatError | ValueError):
+        return str(error)
+    if isinstance(error, OSError):
+        return f"{error.filename or 'file'}: {error.strerror or error}"
+    told = "out of memory" if isinstance(error, MemoryError) else str(error)
+    return told if capture is None else f"{capture}: {told}"
 
 
 def exit_code(work: Callable[[], None]) -> int:

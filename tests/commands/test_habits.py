@@ -100,6 +100,43 @@ def test_a_suffix_means_a_file_and_all_else_a_folder(captures, tmp_path, argumen
     assert files(tmp_path / "new") == made.split()
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["loop", "{walk}", "-o", "{to}/x.glb"],
+        ["convert", "{walk}", "{to}/x.glb"],
+        ["blend", "{walk}", "{walk}", "-o", "{to}/x.glb"],
+        ["transition", "{walk}", "{walk}", "-o", "{to}/x.glb"],
+    ],
+)
+def test_a_suffix_that_contradicts_the_format_is_refused(captures, tmp_path, arguments):
+    asked = [one.format(walk=captures / "walk.bvh", to=tmp_path) for one in arguments]
+    result = run(*asked, "--format", "bvh")
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "roundelay: expected a file of the suffix of --format bvh, found 'x.glb'; "
+        "leave one of them out\n"
+    )
+    assert files(tmp_path) == []
+
+
+@pytest.mark.parametrize("how", [["-o", "{to}/x.glb"], ["-o", "{to}", "--format", "glb"]])
+def test_a_format_that_the_target_does_not_read_is_refused(captures, tmp_path, how):
+    how = [one.format(to=tmp_path) for one in how]
+    result = run("loop", captures / "walk.bvh", "--for", "unity", *how)
+    assert result.exit_code == 2
+    assert result.stderr == ("roundelay: expected a format that unity reads (fbx), found 'glb'\n")
+    assert files(tmp_path) == []
+
+
+def test_a_suffix_chooses_among_the_formats_of_the_target(captures, tmp_path):
+    asked = ["loop", captures / "walk.bvh", "--for", "blender", "-o", tmp_path / "x.glb"]
+    result = run(*asked, "--no-picture", "--json")
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["sampling"]["file_format"] == "glb"
+    assert files(tmp_path) == ["x.glb", "x.json"]
+
+
 def test_further_loops_are_numbered_behind_the_name(captures, tmp_path):
     result = run("loop", captures / "both.bvh", "-o", tmp_path / "x.bvh", "--no-picture")
     assert result.exit_code == 0, result.output

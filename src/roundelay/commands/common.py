@@ -6,9 +6,9 @@ import json
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from errno import ENOTDIR
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -239,21 +239,28 @@ def output_directory(path: Path) -> Path:
     return path
 
 
-def in_format_of(place: Place, written: LoopOptions) -> LoopOptions:
+def in_format_of(place: Place, written: LoopOptions, given: Collection[str]) -> LoopOptions:
     """Return options of the format that the suffix of a file asks for, if it was named.
+
+    Parameters
+    ----------
+    place : Place
+    written : LoopOptions
+    given : collection of str
+        The flags of the options that were given.
 
     Raises
     ------
     ValueError
-        If another format was asked for, too.
+        If another format was asked for, too, or the target does not read it.
     """
     if place.file is None:
         return written
-    suffix, own = place.file.suffix[1:].lower(), type(written)().file_format
-    if written.file_format not in (own, suffix):
+    suffix = place.file.suffix[1:].lower()
+    if "format" in given and written.file_format != suffix:
         asked = f"--format {written.file_format}, found {place.file.name!r}"
         raise ValueError(f"expected a file of the suffix of {asked}; leave one of them out")
-    return replace(written, file_format=suffix)
+    return written.in_format(suffix)
 
 
 @contextmanager

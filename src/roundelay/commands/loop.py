@@ -76,6 +76,7 @@ def loop(
     search: Options,
     written: LoopOptions,
     reading: ReadOptions,
+    given: frozenset[str],
 ) -> None:
     """Find the periodic motions of captures and write a seamless loop of each.
 
@@ -86,9 +87,10 @@ def loop(
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found. Of several
     captures the worst counts, 2 being worse than 3.
     """
-    asked = _Asked(search, written, reading, skeleton, per_behaviour, picture, gif, json)
     with one_line_errors():
         places = _places(captures, output)
+        written = in_format_of(places[0], written, given)
+    asked = _Asked(search, written, reading, skeleton, per_behaviour, picture, gif, json)
     records: list[dict[str, Any]] = []
     codes = [
         exit_code(partial(_looped, capture, place, asked, records))
@@ -127,7 +129,7 @@ def _looped(capture: Path, place: Place, asked: _Asked, records: list[dict[str, 
     from roundelay.output.records import capture_record, refusal_record
 
     with one_line_errors(capture):
-        written = in_format_of(place, asked.written)
+        written = asked.written
         with progress_bar(quiet=asked.json) as progress:
             motion = read_capture(capture, asked.skeleton, asked.reading)
             record = capture_record(motion, capture, asked.search)

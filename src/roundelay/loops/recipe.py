@@ -16,7 +16,7 @@ from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import mapped, mirrored
 from roundelay.cycles.edit.separate import Mended, repaired, repaired_motion, source_parts
 from roundelay.cycles.events import begun, started
-from roundelay.formats import checked_format, files_written, write
+from roundelay.formats import files_written, write
 from roundelay.loops.exported import exported
 from roundelay.loops.lint import odd_rate
 from roundelay.loops.options import LoopOptions
@@ -87,8 +87,8 @@ class Rendered:
 
     def _in_format(self, file_format: str) -> Motion:
         """Return the frames of a file in a format."""
-        other = replace(self.render, file_format=checked_format(file_format))
-        if other.sampling == self.render.sampling:
+        other = self.render.in_format(file_format)
+        if (other.sampling, other.unit) == (self.render.sampling, self.render.unit):
             return self.motion
         return exported(self.cycle, other)
 

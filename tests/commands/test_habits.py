@@ -245,16 +245,30 @@ def test_loops_that_are_none_any_more_are_removed_by_name(captures, tmp_path):
     (tmp_path / "both_loop3.bvh").write_text("of somebody else")
     assert {"both_loop2.bvh", "both_loop2.gif"} < set(files(tmp_path))
     assert run(*asked, "--most", 1).exit_code == 0
-    kept = ["both_loop.bvh", "both_loop.gif", "both_loop.json", "both_loop3.bvh"]
-    assert files(tmp_path) == kept
+    assert files(tmp_path) == ["both_loop.bvh", "both_loop.json", "both_loop3.bvh"]
     assert run(*asked, "--frames", "0:12").exit_code == 3
-    assert files(tmp_path) == ["both_loop.gif", "both_loop.json", "both_loop3.bvh"]
+    assert files(tmp_path) == ["both_loop.json", "both_loop3.bvh"]
+
+
+def test_pictures_and_other_formats_of_an_earlier_run_are_removed_by_name(captures, tmp_path):
+    asked = ["loop", captures / "walk.bvh", "-o", tmp_path]
+    assert run(*asked, "--format", "amc").exit_code == 0
+    (tmp_path / "walk_loop.glb").write_text("of somebody else")
+    made = ["walk_loop.amc", "walk_loop.asf", "walk_loop.glb", "walk_loop.json", "walk_loop.png"]
+    assert files(tmp_path) == made
+    assert run(*asked, "--no-picture").exit_code == 0
+    assert files(tmp_path) == ["walk_loop.bvh", "walk_loop.glb", "walk_loop.json"]
 
 
 def test_only_files_that_the_record_names_are_removed(captures, tmp_path):
     record, other = tmp_path / "walk_loop.json", tmp_path / "other.bvh"
     other.write_text("of somebody else")
-    for text in ('{"cycles": [{"files": ["other.bvh", "../other.bvh"]}]}', "no record", "[]"):
+    for text in (
+        '{"cycles": [{"files": ["other.bvh", "../other.bvh"]}]}',
+        "no record",
+        "[]",
+        "[0]",
+    ):
         record.write_text(text)
         asked = ["loop", captures / "walk.bvh", "-o", tmp_path, "--no-picture"]
         assert run(*asked).exit_code == 0

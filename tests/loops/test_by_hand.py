@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -66,6 +67,23 @@ def test_near_ends_are_taken_where_they_fit_best():
     assert np.linalg.norm(travel) == pytest.approx(
         np.linalg.norm(rl.find_cycles(motion)[0].travel), rel=0.05
     )
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_ends_are_found_in_noise(seed):
+    motion = synth.gait("walk", repetitions=4, noise=0.01, seed=seed).motion
+    start, stop = close_by_hand(motion, (60, 205)).frames
+    assert stop - start == pytest.approx(132, abs=1)
+
+
+def test_the_turning_points_are_found_in_noise():
+    clean = synth.wander(6.0, seed=2).motion
+    turns = np.random.default_rng(2).normal(0.0, 0.01, (*clean.rotations.shape[:-1], 3))
+    rotations = rot.multiply(clean.rotations, rot.from_rotation_vector(turns))
+    there = CloseOptions(ping_pong=True)
+    wanted = close_by_hand(clean, (120, 360), there).frames
+    found = close_by_hand(replace(clean, rotations=rotations), (120, 360), there).frames
+    assert found == pytest.approx(wanted, abs=5)
 
 
 def test_frames_beyond_the_fade_are_as_they_were(idle):

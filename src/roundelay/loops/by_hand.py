@@ -129,16 +129,12 @@ def close_by_hand(motion: Motion, frames: Span, options: CloseOptions | None = N
     """
     options, motion = options or CloseOptions(), expected(Motion, motion).with_root_motion()
     _check(motion, frames)
-    points, speeds = _told(motion)
-    starts, stops = _near(motion, frames)
+    points, starts, stops = point_cloud(motion), *_near(motion, frames)
     if options.ping_pong:
-        pace = np.linalg.norm(speeds, axis=1) + _root_pace(motion)
-        taken = (
-            int(starts[np.argmin(pace[starts])]),
-            int(stops[np.argmin(pace[stops])]),
-        )
-        return _there_and_back(motion, frames, taken, options.fade)
-    taken = _most_alike(np.hstack([points, BY_HAND.speed * speeds]), motion, starts, stops)
+        pace = _pace(points, motion) + _pace(motion.root_path / motion.skeleton.size, motion)
+        slowest = int(starts[np.argmin(pace[starts])]), int(stops[np.argmin(pace[stops])])
+        return _there_and_back(motion, frames, slowest, options.fade)
+    taken = _most_alike(points, starts, stops, _reach(motion))
     apart = float(np.sqrt(3 * np.mean((points[taken[1]] - points[taken[0]]) ** 2)))
     return _joined(motion, frames, taken, options.fade, apart)
 
@@ -158,16 +154,24 @@ def _check(motion: Motion, frames: Span) -> None:
         )
 
 
-def _told(motion: Motion) -> tuple[Array, Array]:
-    """Return poses (F, d) and their speeds a second."""
-    points = point_cloud(motion)
-    return points, np.gradient(points, axis=0) * motion.fps
+def _reach(motion: Motion) -> int:
+    """Return how many frames before and behind one tell of its speed, also where they are noisy.
+
+    Over a stretch of this reach, r, speeds are weighed against poses as wanted: a difference that
+    grows by v a second from 0 has the mean square r^2 / 3 v^2.
+    """
+    return max(1, round(np.sqrt(3.0) * BY_HAND.speed * motion.fps))
 
 
-def _root_pace(motion: Motion) -> Array:
-    """Return how fast the root goes (F,), in body sizes a second."""
-    steps = np.gradient(motion.root_path, axis=0) * motion.fps / motion.skeleton.size
-    return np.asarray(np.linalg.norm(steps, axis=1))
+def _pace(values: Array, motion: Motion) -> Array:
+    """Return how fast values (F, d) change a second (F,): the slope of a line through a stretch."""
+    frames, last = np.arange(len(values)), len(values) - 1
+    way, weight = np.zeros_like(values), np.zeros((len(values), 1))
+    for away in range(1, _reach(motion) + 1):
+        before, behind = np.maximum(frames - away, 0), np.minimum(frames + away, last)
+        way += away * (values[behind] - values[before])
+        weight += away * (behind - before)[:, None]
+    return np.asarray(np.linalg.norm(way / weight, axis=1)) * motion.fps
 
 
 def _near(motion: Motion, frames: Span) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -180,12 +184,24 @@ def _near(motion: Motion, frames: Span) -> tuple[NDArray[np.intp], NDArray[np.in
 
 
 def _most_alike(
-    told: Array, motion: Motion, starts: NDArray[np.intp], stops: NDArray[np.intp]
+    points: Array, starts: NDArray[np.intp], stops: NDArray[np.intp], reach: int
 ) -> Span:
-    """Return the start and the stop at which what is told (F, d) is most alike."""
-    ours, theirs = told[starts], told[stops]
+    """Return the start and the stop about which poses (F, d) are most alike.
+
+    They are compared over a stretch: one pose and its neighbours would tell noise for speed.
+    """
+    ours, theirs = (np.arange(x[0] - reach, x[-1] + reach + 1) for x in (starts, stops))
+    there = [(x >= 0) & (x < len(points)) for x in (ours, theirs)]
+    both = np.outer(*there)
+    ours, theirs = (points[np.clip(x, 0, len(points) - 1)] for x in (ours, theirs))
     squares = np.sum(ours**2, axis=1)[:, None] + np.sum(theirs**2, axis=1) - 2 * ours @ theirs.T
-    start, stop = np.unravel_index(np.argmin(squares), squares.shape)
+    squares *= both
+    total, count = np.zeros((2, len(starts), len(stops)))
+    for away in range(2 * reach + 1):
+        place = slice(away, away + len(starts)), slice(away, away + len(stops))
+        total += squares[place]
+        count += both[place]
+    start, stop = np.unravel_index(np.argmin(total / count), total.shape)
     return int(starts[start]), int(stops[stop])
 
 

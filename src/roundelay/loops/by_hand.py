@@ -189,7 +189,7 @@ def _reach(motion: Motion) -> int:
     Over a stretch of this reach, r, speeds are weighed against poses as wanted: a difference that
     grows by v a second from 0 has the mean square r^2 / 3 v^2.
     """
-    return max(1, round(np.sqrt(3.0) * BY_HAND.speed * motion.fps))
+    return max(1, round(np.sqrt(3) * BY_HAND.speed * motion.fps))
 
 
 def _pace(values: Array, motion: Motion) -> Array:

@@ -72,8 +72,10 @@ def test_near_ends_are_taken_where_they_fit_best():
 @pytest.mark.parametrize("seed", range(4))
 def test_the_ends_are_found_in_noise(seed):
     motion = synth.gait("walk", repetitions=4, noise=0.01, seed=seed).motion
-    start, stop = close_by_hand(motion, (60, 205)).frames
-    assert stop - start == pytest.approx(132, abs=1)
+    made = close_by_hand(motion, (60, 205))
+    assert made.frames[1] - made.frames[0] == pytest.approx(132, abs=1)
+    # What noise of half a degree seems to turn at the ends is not carried on.
+    assert made.largest < np.radians(4.0)
 
 
 def test_the_turning_points_are_found_in_noise():

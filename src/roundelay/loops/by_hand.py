@@ -247,7 +247,10 @@ def _joined(motion: Motion, asked: Span, taken: Span, fade: float, apart: float)
     rotations[:count] = rot.multiply(rotations[:count], rot.from_rotation_vector(turns))
     moved = motion.translations
     if moved is not None:
-        lack, slower = moved[stop] - moved[start], _slope(moved, stop) - _slope(moved, start)
+        lack, slower = (
+            moved[stop] - moved[start],
+            _slope(moved, stop, _reach(motion)) - _slope(moved, start, _reach(motion)),
+        )
         moved = moved[start:stop].copy()
         moved[:count] += _dying(lack, slower, count)
     loop = replace(motion, rotations=rotations, root_path=path, translations=moved)
@@ -270,17 +273,19 @@ def _fading_turns(motion: Motion, taken: Span, back: Array, count: int) -> Array
     end = motion.rotations[stop].copy()
     end[0] = rot.multiply(back, end[0])
     lack = rot.vector_between(motion.rotations[start], end)
-    slower = _turning(motion.rotations, stop) - _turning(motion.rotations, start)
+    slower = _turning(motion.rotations, stop, _reach(motion)) - _turning(
+        motion.rotations, start, _reach(motion)
+    )
     return _dying(lack, slower, count)
 
 
 def _fading_path(motion: Motion, taken: Span, back: Array, count: int) -> Array:
     """Return the way (count, 3) that dies away: the root goes on at the speed that it had."""
     start, stop = taken
-    before = rot.rotate(back, _slope(motion.root_path, stop))
+    before = rot.rotate(back, _slope(motion.root_path, stop, _reach(motion)))
     lack = (motion.root_path[stop] - motion.root_path[start]) * motion.up_vector
     lack = lack * (not _climbs(motion, taken))
-    return _dying(lack, before - _slope(motion.root_path, start), count)
+    return _dying(lack, before - _slope(motion.root_path, start, _reach(motion)), count)
 
 
 def _climbs(motion: Motion, taken: Span) -> bool:
@@ -288,16 +293,23 @@ def _climbs(motion: Motion, taken: Span) -> bool:
     return bool(abs(heights[1] - heights[0]) > CYCLE.climbs * motion.skeleton.size)
 
 
-def _slope(values: Array, frame: int) -> Array:
-    """Return the change of values (F, ...) a frame."""
-    before, behind = max(frame - 1, 0), min(frame + 1, len(values) - 1)
-    return np.asarray((values[behind] - values[before]) / (behind - before))
+def _slope(values: Array, frame: int, reach: int) -> Array:
+    """Return the change of values (F, ...) a frame: the slope of a line through a stretch."""
+    before, behind, weights = _pairs(len(values), frame, reach)
+    return np.tensordot(weights, values[behind] - values[before], axes=1)
 
 
-def _turning(rotations: Array, frame: int) -> Array:
-    """Return how joints turn a frame (J, 3), in their own axes."""
-    before, behind = max(frame - 1, 0), min(frame + 1, len(rotations) - 1)
-    return rot.vector_between(rotations[before], rotations[behind]) / (behind - before)
+def _turning(rotations: Array, frame: int, reach: int) -> Array:
+    """Return how joints turn a frame (J, 3), in their own axes, as `_slope` does."""
+    before, behind, weights = _pairs(len(rotations), frame, reach)
+    return np.tensordot(weights, rot.vector_between(rotations[before], rotations[behind]), axes=1)
+
+
+def _pairs(count: int, frame: int, reach: int) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """Return frames before and behind one, and by what to weigh the change between them."""
+    away = np.arange(1, reach + 1)
+    before, behind = np.maximum(frame - away, 0), np.minimum(frame + away, count - 1)
+    return before, behind, away / np.sum(away * (behind - before))
 
 
 def _dying(lack: Array, slower: Array, count: int) -> Array:

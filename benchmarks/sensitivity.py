@@ -48,7 +48,7 @@ from roundelay.geometry.kinematics import vertical_axis
 from roundelay.library.groups import grouped
 from roundelay.library.store import Shelf
 from roundelay.loops.by_hand import CloseOptions, close_by_hand
-from roundelay.loops.lint import left_phase, lint
+from roundelay.loops.lint import lint, taken_apart
 from roundelay.loops.profiles import foot_contacts
 from roundelay.loops.units import Lengths
 from roundelay.loops.verdict import verdict_of
@@ -388,7 +388,7 @@ def _faulty() -> list[_Faulty]:
         motion = cycle.sample()
         if len(motion) < 12:
             continue
-        phase, wraps = left_phase(motion, wraps=False), bool(number % 2)
+        phase, wraps = taken_apart(motion, wraps=False).phase, bool(number % 2)
         motion = motion.scaled(METRES / motion.skeleton.size)
         loop = Loop("", "", "", phase is not None, wraps, motion, phase=phase)
         faulty = (put(loop, strengths[0]) for put, strengths in FAULTS.values())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import os
 from pathlib import Path
 
@@ -124,6 +125,16 @@ def test_other_options_are_another_version(clips, tmp_path):
     assert [cycle["loop_frames"] for _, cycle in second.cycles] == [34, 23]
     files = {path.name for path in (first.folder / "loops").rglob("*") if path.is_file()}
     assert files == {"take_loop.glb"}
+
+
+def test_a_packed_clip_is_a_clip(clips, tmp_path):
+    plain = clips / "ben" / "take.bvh"
+    plain.with_name("take.bvh.gz").write_bytes(gzip.compress(plain.read_bytes()))
+    plain.unlink()
+    library = rl.build_library(clips, tmp_path / "library", jobs=1)
+    assert list(records(library)) == ["anna/take.bvh", "ben/take.bvh.gz"]
+    (cycle,) = records(library)["ben/take.bvh.gz"]["cycles"]
+    assert cycle["loop"] == "loops/ben/take.bvh.gz/take_loop.bvh"
 
 
 def test_what_is_gone_is_no_longer_told_of(clips, tmp_path):

@@ -45,6 +45,7 @@ def blend(
     mixing: BlendOptions,
     written: LoopOptions,
     reading: ReadOptions,
+    given: frozenset[str],
 ) -> None:
     """Blend the best cycles of several captures and write the loop.
 
@@ -59,7 +60,7 @@ def blend(
 
         shares = _shares(mixing, len(captures))
         place = place_of(output, name_of(captures[0]), suffixes_of(writers))
-        written = in_format_of(place, written)
+        written = in_format_of(place, written, given)
         cycles, sources = _best_cycles(captures, mixing.mirror, reading)
         mixed = blend_cycles(cycles, shares, by=mixing.by, mirror=mixing.mirror)
         loop = rendered(mixed, sources, written)
@@ -82,6 +83,7 @@ def transition(
     joining: TransitionOptions,
     written: LoopOptions,
     reading: ReadOptions,
+    given: frozenset[str],
 ) -> None:
     """Go from the best cycle of one capture to that of another, the phase running on.
 
@@ -94,6 +96,7 @@ def transition(
         from roundelay.loops.recipe import rendered_motion
 
         place = place_of(output, name_of(first), suffixes_of(writers))
+        written = in_format_of(place, written, given)
         path = place.file or place.path(f"to_{name_of(second)}", f".{written.file_format}")
         (start, end), sources = _best_cycles([first, second], joining.mirror, reading)
         motion = make_transition(start, end, **asdict(joining), fps=written.fps)

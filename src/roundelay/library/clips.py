@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from roundelay.base.errors import FormatError, NoPeriod, RoundelayError, RoundelayWarning, TooShort
+from roundelay.base.files import name_of
 from roundelay.base.version import __version__
 from roundelay.compare.spectra import Spectra
 from roundelay.formats import files_of, read
@@ -156,7 +157,7 @@ def _segments(motion: Motion, told: Timeline | None) -> list[dict[str, Any]]:
 def _written(clip: Clip, number: int, loop: Loop) -> dict[str, Any]:
     """Write a loop; describe it as `roundelay loop` does, more briefly, with its mean speed."""
     ending = "" if number == 1 else str(number)
-    path = clip.loops / f"{clip.path.stem}_loop{ending}.{clip.options.file_format}"
+    path = clip.loops / f"{name_of(clip.path)}_loop{ending}.{clip.options.file_format}"
     path.parent.mkdir(parents=True, exist_ok=True)
     loop.write(path)
     kept = {key: value for key, value in loop_record(loop).items() if key not in _LEFT_OUT}

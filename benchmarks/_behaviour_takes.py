@@ -221,3 +221,13 @@ def drifting_joins(deviation: float, count: int, seconds: float = 9.0, seed: int
         for kind, period in periods.items()
     }
     return [_drawn("made", pools, rng, deviation) for _ in range(count)]
+
+
+def long_take(folder: Path, minutes: float) -> rl.Motion:
+    """Join the takes of a folder over and over, and cut them to length."""
+    motions = [_read(path) for path in sorted(folder.glob("*.bvh"))]
+    motions = [replace(one, skeleton=motions[0].skeleton, translations=None) for one in motions]
+    frames, whole = round(minutes * 60.0 * motions[0].fps), []
+    while sum(map(len, whole)) < frames:
+        whole.append(motions[len(whole) % len(motions)])
+    return joined(whole, BLEND)[:frames]

@@ -9,14 +9,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from roundelay.base.options import Checked, option
-from roundelay.base.spans import Spans
 from roundelay.segmentation.method import Channels, Cuts
-from roundelay.segmentation.model import GaussianModel
 from roundelay.segmentation.result import Curve
-from roundelay.segmentation.tree import CutTree, labelled
+from roundelay.segmentation.tree import CutTree
 
 __all__ = ["BehaviourOptions", "Behaviours"]
 
@@ -70,27 +67,17 @@ class Behaviours:
 
     def find(self, channels: Channels, options: BehaviourOptions) -> Cuts:
         """Find the cuts; see `roundelay.segmentation.SegmentationMethod`."""
-        model = channels.model(options.resolution)
-        repeating = tuple(_thinned(spans, model) for spans in channels.repeating)
-        tree = CutTree(model, options.shortest, repeating)
-        kept = _section(tree, options)
+        tree = CutTree.of(channels, shortest=options.shortest, resolution=options.resolution)
+        kept, step = _section(tree, options), tree.model.step
         cuts = list(kept)
-        labels = [0] if model.still else labelled(tree.stretches(cuts))
+        labels = tree.labels(cuts)
         odds = np.exp(np.array(list(kept.values())))
         sure = (odds / (1.0 + odds)).tolist()
         frames = np.arange(len(channels.values), dtype=float)
         probability = np.zeros(len(frames))
-        probability[[cut * model.step for cut in cuts]] = sure
+        probability[[cut * step for cut in cuts]] = sure
         curve = Curve(frames, probability, "probability of a cut")
-        return Cuts([cut * model.step for cut in cuts], sure, curve, labels)
-
-
-def _thinned(spans: Spans, model: GaussianModel) -> NDArray[np.bool_]:
-    """Return a mask of thinned frames."""
-    mask = np.zeros(len(model), bool)
-    for start, stop in spans:
-        mask[start // model.step : -(-stop // model.step)] = True
-    return mask
+        return Cuts([cut * step for cut in cuts], sure, curve, labels)
 
 
 def _section(tree: CutTree, options: BehaviourOptions) -> dict[int, float]:

@@ -23,6 +23,7 @@ from roundelay.segmentation.methods import segmentation_methods
 from roundelay.segmentation.ppca import PPCAOptions
 from roundelay.segmentation.result import Segment, Segmentation
 from roundelay.segmentation.thresholds import MODEL
+from roundelay.segmentation.tree import CutTree
 
 __all__ = ["checked_method", "method_names", "segment", "segment_channels", "segmented"]
 
@@ -176,9 +177,9 @@ def segmented(channels: Channels, method: SegmentationMethod, options: Any) -> S
 
 
 def _recurring(channels: Channels, found: Cuts) -> Sequence[int]:
-    """Label segments that one Gaussian describes as well as two alike."""
-    model = channels.model()
-    return model.labels([min(cut // model.step, len(model) - 1) for cut in found.frames])
+    """Label segments as the default method does."""
+    tree = CutTree.of(channels, shortest=0.0)
+    return tree.labels([min(cut // tree.model.step, len(tree.model) - 1) for cut in found.frames])
 
 
 def _segments(found: Cuts, labels: Sequence[int], frames: int) -> tuple[Segment, ...]:

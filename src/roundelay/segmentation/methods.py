@@ -32,16 +32,11 @@ class Gaussian:
         """Find the cuts; see `roundelay.segmentation.SegmentationMethod`."""
         model = channels.model(options.resolution)
         cuts = gaussian_cuts(model, options)
-        labels = model.labels(cuts)
-        if options.n_segments is None:
-            # Neighbours that turned out to be one behaviour, together with others of its kind.
-            kept = [i for i in range(len(cuts)) if labels[i] != labels[i + 1]]
-            cuts, labels = [cuts[i] for i in kept], [labels[i] for i in [*kept, len(labels) - 1]]
         strengths = cut_evidence(model, cuts) * options.sensitivity
         places, values = evidence_curve(model, cuts)
         meaning = "evidence for a cut (1 is enough)"
         curve = Curve(places * float(model.step), values * options.sensitivity, meaning)
-        return Cuts([cut * model.step for cut in cuts], strengths.tolist(), curve, labels)
+        return Cuts([cut * model.step for cut in cuts], strengths.tolist(), curve)
 
 
 class PCA:

@@ -41,12 +41,6 @@ class _Model(Thresholds):
         unit="log-likelihood ratio, an effective dimension and independent pose",
         origin="what a cut must gain; chosen on the captures of the segmentation benchmark",
     )
-    label: float = constant(
-        4.0,
-        unit="log-likelihood ratio, an effective dimension and independent pose",
-        origin="what a label must gain: less, for there is no search over its place; chosen on the "
-        "captures of the segmentation benchmark",
-    )
 
 
 MODEL = _Model()
@@ -92,8 +86,15 @@ class _Likeness(Thresholds):
     )
     window: float = constant(0.4, unit="seconds", origin="length of what is predicted; SCIENCE 10")
     poses: int = constant(5, unit="poses a window", origin="enough for a curve; SCIENCE 10")
-    asked: int = constant(150, unit="windows a stretch", origin="that are predicted; for speed")
-    windows: int = constant(1200, unit="windows a stretch", origin="that predict; for speed")
+    asked: int = constant(100, unit="windows a stretch", origin="that are predicted; for speed")
+    windows: int = constant(400, unit="windows a stretch", origin="that predict; for speed")
+    sketched_asked: int = constant(20, unit="windows a stretch", origin="of a sketch; for speed")
+    sketched_windows: int = constant(80, unit="windows a stretch", origin="of a sketch; for speed")
+    sketched: float = constant(
+        0.5,
+        unit="logarithm of errors",
+        origin="sketches err by less: what they tell farther apart is not compared; for speed",
+    )
     apart: float = constant(
         0.5, unit="seconds", origin="nearer windows of a stretch are the same moment; SCIENCE 10"
     )

@@ -8,23 +8,23 @@ the logarithm of the odds that the cut is one that people make, whatever section
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.segmentation.gaussian import search, settled
 from roundelay.segmentation.likeness import Stretch, unlikeness
+from roundelay.segmentation.method import Channels
 from roundelay.segmentation.model import GaussianModel
 from roundelay.segmentation.thresholds import LIKENESS, TREE
 
-__all__ = ["CutTree", "labelled"]
+__all__ = ["CutTree"]
 
 Array = NDArray[np.float64]
-Between = Callable[[int, int], float]
 
 
 @dataclass(eq=False)
@@ -44,6 +44,18 @@ class CutTree:
     shortest: float
     repeating: tuple[NDArray[np.bool_], ...] = ()
 
+    @classmethod
+    def of(cls, channels: Channels, *, shortest: float, resolution: float | None = None) -> CutTree:
+        """Take what is to be cut, at a resolution of one's own or that of the channels."""
+        model = channels.model(resolution)
+        repeating = []
+        for spans in channels.repeating:
+            frames = np.zeros(len(model), bool)
+            for start, stop in spans:
+                frames[start // model.step : -(-stop // model.step)] = True
+            repeating.append(frames)
+        return cls(model, shortest, tuple(repeating))
+
     def above(self, height: float) -> dict[int, float]:
         """Return the cuts, thinned frames that grow, at least so high, with their heights."""
         levels = int(np.ceil(max(0.0, -height) / np.log(2.0)))
@@ -62,19 +74,30 @@ class CutTree:
         kept = sorted(found, key=lambda cut: -found[cut])[:count]
         return {cut: found[cut] for cut in sorted(kept)}
 
-    def stretches(self, cuts: Sequence[int]) -> list[Stretch]:
-        """Return the stretches that cuts leave, and what fills each."""
-        return [
-            replace(
-                Stretch.of(self.model.points[start:stop], self.model.fps, self.model.resolution),
-                shows=frozenset(
-                    number
-                    for number, frames in enumerate(self.repeating)
-                    if frames[start:stop].mean() >= LIKENESS.filled
-                ),
-            )
-            for start, stop in pairwise([0, *cuts, len(self.model)])
-        ]
+    def labels(self, cuts: Sequence[int]) -> list[int]:
+        """Label what cuts leave, so that a behaviour that comes back bears the same label.
+
+        Parameters
+        ----------
+        cuts : sequence of int
+            First thinned frame of every segment but the first.
+
+        Returns
+        -------
+        list of int
+            Numbered by first appearance.
+        """
+        return [0] * (len(cuts) + 1) if self.model.still else _labelled(self._stretches(cuts))
+
+    def _stretches(self, cuts: Sequence[int]) -> list[Stretch]:
+        """Return the stretches that cuts leave, each of a frame at least, and what fills them."""
+        model, found = self.model, []
+        for start, stop in itertools.pairwise([0, *cuts, len(model)]):
+            frames = slice(start, max(stop, start + 1))
+            stretch = Stretch.of(model.points[frames], model.fps, model.resolution)
+            filled = [rows[frames].mean() >= LIKENESS.filled for rows in self.repeating]
+            found.append(replace(stretch, shows=frozenset(np.flatnonzero(filled).tolist())))
+        return found
 
     @cached_property
     def _proposed(self) -> dict[int, float]:
@@ -83,7 +106,7 @@ class CutTree:
         if model.still or len(model) < 2.0 * self.shortest * model.fps:
             return {}
         cuts = settled(model, search(model, self.shortest, TREE.proposed), self.shortest)
-        joined = _joined(self.stretches(cuts))
+        joined = _joined(self._stretches(cuts))
         return {
             cut: (joined[place] - LIKENESS.cut) / LIKENESS.scale for place, cut in enumerate(cuts)
         }
@@ -94,7 +117,7 @@ class CutTree:
         if self.model.still:
             return found
         for deep in range(1, level + 1):
-            for bounds in pairwise([0, *sorted(found), len(self.model)]):
+            for bounds in itertools.pairwise([0, *sorted(found), len(self.model)]):
                 found.update(self._within(bounds, deep))
         return found
 
@@ -114,7 +137,13 @@ class CutTree:
 
 def _joined(stretches: Sequence[Stretch]) -> Array:
     """Join neighbours, the most alike first, and return at what unlikeness each cut goes."""
-    between = _kept(stretches, 0)
+    known: dict[tuple[int, int], float] = {}
+
+    def between(one: int, other: int) -> float:
+        if (one, other) not in known:
+            known[one, other] = float(unlikeness(stretches[one], [stretches[other]])[0][0])
+        return known[one, other]
+
     groups = [[place] for place in range(len(stretches))]
     apart = [between(place, place + 1) for place in range(len(stretches) - 1)]
     heights, highest = np.zeros(len(apart)), -np.inf
@@ -122,54 +151,37 @@ def _joined(stretches: Sequence[Stretch]) -> Array:
         place = int(np.argmin(apart))
         highest = max(highest, apart.pop(place))
         heights[groups[place + 1][0] - 1] = highest
-        groups[place : place + 2] = [groups[place] + groups[place + 1]]
+        groups[place : place + 2] = [_longest(groups[place] + groups[place + 1], stretches)]
         for beside in (place - 1, place):
             if 0 <= beside < len(apart):
-                apart[beside] = _linked(stretches, groups[beside], groups[beside + 1], between)
+                pairs = itertools.product(groups[beside], groups[beside + 1])
+                apart[beside] = float(np.mean([between(*pair) for pair in pairs]))
     return heights
 
 
-def _linked(
-    stretches: Sequence[Stretch], one: list[int], other: list[int], between: Between
-) -> float:
-    """Return the mean unlikeness of groups, of which the longest stretches stand for all."""
-    longest = [
-        sorted(group, key=lambda place: -stretches[place].frames)[: LIKENESS.members]
-        for group in (one, other)
-    ]
-    return float(np.mean([between(a, b) for a in longest[0] for b in longest[1]]))
+def _longest(group: list[int], stretches: Sequence[Stretch]) -> list[int]:
+    """Return the first of a group and the longest, which stand for all of it."""
+    by_length = sorted(group[1:], key=lambda place: -stretches[place].frames)
+    return [group[0], *by_length[: LIKENESS.members - 1]]
 
 
-def _kept(stretches: Sequence[Stretch], which: int) -> Between:
-    """Return the unlikeness by places, each found out once."""
-    known: dict[tuple[int, int], float] = {}
-
-    def between(one: int, other: int) -> float:
-        pair = min(one, other), max(one, other)
-        if pair not in known:
-            known[pair] = unlikeness(stretches[pair[0]], stretches[pair[1]])[which]
-        return known[pair]
-
-    return between
+def _unlike_before(stretches: Sequence[Stretch], place: int) -> Array:
+    """Return how unlike (place,) a stretch is to those before, exactly where they may be alike."""
+    before = stretches[:place]
+    row = unlikeness(stretches[place].sketch, [each.sketch for each in before])[1]
+    near = np.flatnonzero(row <= LIKENESS.label + LIKENESS.sketched)
+    if len(near):
+        row[near] = unlikeness(stretches[place], [before[each] for each in near])[1]
+    return row
 
 
-def labelled(stretches: Sequence[Stretch]) -> list[int]:
-    """Label stretches so that a behaviour that comes back bears the same label.
-
-    Parameters
-    ----------
-    stretches : sequence of Stretch
-
-    Returns
-    -------
-    list of int
-        Numbered by first appearance.
-    """
+def _labelled(stretches: Sequence[Stretch]) -> list[int]:
+    """Join the most alike, wherever they are (average linkage), and number by first appearance."""
     count = len(stretches)
-    between, apart = _kept(stretches, 1), np.full((count, count), np.inf)
-    for place in range(count):
-        for earlier in range(place):
-            apart[place, earlier] = apart[earlier, place] = between(place, earlier)
+    apart = np.full((count, count), np.inf)
+    for place in range(1, count):
+        row = _unlike_before(stretches, place)
+        apart[place, :place], apart[:place, place] = row, row
     owner, sizes = np.arange(count), np.ones(count)
     while count > 1 and apart.min() <= LIKENESS.label:
         kept, gone = sorted(np.unravel_index(np.argmin(apart), apart.shape))

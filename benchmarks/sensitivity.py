@@ -35,6 +35,7 @@ from typing import Any
 import numpy as np
 
 import roundelay as rl
+from benchmarks._behaviour_takes import bandai_joins, clip_joins, hdm_joins
 from benchmarks._harness import RESULTS, parser, report
 from benchmarks.check import FAULTS, METRES, Loop, in_form
 from benchmarks.raunio import TABLES, find_capture
@@ -229,7 +230,7 @@ def _baseline(probe: Callable[[], Iterable[Outcome]]) -> list[Outcome]:
 def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
     """Return what shows the influence of a constant."""
     room, record, _ = one.name.split(".")
-    rooms = {"compare": _library, "segmentation": _gaussian, "geometry": _loops, "loops": _loops}
+    rooms = {"compare": _library, "segmentation": _behaviours, "geometry": _loops, "loops": _loops}
     records = {
         "segmentation.pca": _pca,
         "segmentation.ppca": _ppca,
@@ -457,17 +458,20 @@ def _topology(motion: rl.Motion) -> Outcome:
 
 
 @cache
-def _labelled() -> tuple[list[Any], list[rl.Motion]]:
-    data = _PLACE[0]
+def _labelled() -> tuple[list[Any], list[tuple[rl.Motion, rl.Timeline]]]:
+    """Captures with labels; and motions with their timelines, which no cut changes."""
+    data, truth = _PLACE[0], _PLACE[0] / "truth"
     motions = [rl.read(data / "cmu" / "acclaim" / n[:2] / f"{n}.amc") for n in FULL]
-    return labelled(data), motions
+    for joined in (hdm_joins(truth, 2), bandai_joins(truth, 2), clip_joins(truth, 2)):
+        motions += [take.motion for take in joined]
+    return labelled(data), [(motion, rl.understand(motion)) for motion in motions]
 
 
-def _gaussian() -> Iterator[Outcome]:
+def _behaviours() -> Iterator[Outcome]:
     channels, motions = _labelled()
-    for motion in motions:
-        yield _cut(rl.segment(motion))
-        yield _cut(rl.segment(motion, n_segments=5))
+    for motion, told in motions:
+        yield _cut(rl.segment(motion, timeline=told))
+        yield _cut(rl.segment(motion, timeline=told, n_segments=5))
     for capture in channels:
         yield _cut(segment_channels(capture.values, capture.fps))
 

@@ -91,9 +91,10 @@ class _Likeness(Thresholds):
     sketched_asked: int = constant(20, unit="windows a stretch", origin="of a sketch; for speed")
     sketched_windows: int = constant(80, unit="windows a stretch", origin="of a sketch; for speed")
     sketched: float = constant(
-        0.5,
+        0.15,
         unit="logarithm of errors",
-        origin="sketches err by less: what they tell farther apart is not compared; for speed",
+        origin="sketches of what is alike err by .08 at most (LAFAN1): what they tell farther "
+        "apart is not compared; for speed",
     )
     apart: float = constant(
         0.5, unit="seconds", origin="nearer windows of a stretch are the same moment; SCIENCE 10"
@@ -118,7 +119,7 @@ class _Likeness(Thresholds):
     )
     members: int = constant(4, unit="stretches", origin="that stand for a behaviour; for speed")
     cut: float = constant(
-        0.0,
+        0.02,
         unit="logarithm of errors",
         origin="the odds of a cut are even here; fitted to heights by logistic regression, on CMU, "
         "HDM05, Bandai-Namco and joined clips of LAFAN1",

@@ -167,7 +167,7 @@ def _longest(group: list[int], stretches: Sequence[Stretch]) -> list[int]:
 
 def _unlike_before(stretches: Sequence[Stretch], place: int) -> Array:
     """Return how unlike (place,) a stretch is to those before, exactly where they may be alike."""
-    before = stretches[:place]
+    before = list(stretches[:place])
     row = unlikeness(stretches[place].sketch, [each.sketch for each in before])[1]
     near = np.flatnonzero(row <= LIKENESS.label + LIKENESS.sketched)
     if len(near):

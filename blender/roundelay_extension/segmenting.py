@@ -51,8 +51,7 @@ def _frames(capture: Capture, part: Segment, step: int) -> tuple[int, int]:
 
 def _name(part: Segment) -> str:
     """Name a behaviour by letter, and by period where it repeats itself."""
-    letter = chr(ord("A") + part.label) if part.label < 26 else str(part.label)
-    return letter if part.period is None else f"{letter} ({part.period:.2f} s)"
+    return part.title if part.period is None else f"{part.title} ({part.period:.2f} s)"
 
 
 def _markers(scene: Any, capture: Capture, parts: tuple[Segment, ...], step: int) -> None:

@@ -293,7 +293,8 @@ def segment(
         ``behaviours`` (the default, needs nothing); ``gaussian``, what it proposes by itself;
         ``pca``, ``ppca`` or ``gmm`` of [B]; ``ppca-paper`` and ``gmm-paper`` with all of the
         paper's own choices (those of ``pca`` are the paper's); one that a plug-in brings; or a
-        method's options, such as ``PPCAOptions(threshold=2.5)``.
+        method's options, such as ``PPCAOptions(threshold=2.5)``; or cuts that are known already,
+        such as those of `roundelay.segmentation.edited_segments`.
     sensitivity : float
         2 finds finer behaviours, .5 coarser ones (``behaviours`` only).
     n_segments : int, optional
@@ -331,6 +332,8 @@ def segment(
     if timeline is None and len(motion) >= SEARCH.fewest:
         timeline = timeline_of(motion, Options(joints=joints), progress)
     cyclic = () if timeline is None else timeline.checked(len(motion)).cyclic
+    if isinstance(method, Segmentation):
+        return _with_periods(method.checked(len(motion)), cyclic)
     found = cut_by_posture(
         motion,
         method=method,
@@ -340,8 +343,7 @@ def segment(
         rng=rng,
         repeating=[each.spans for each in cyclic if len(each.limbs) > 1],
     )
-    segments = tuple(replace(each, period=_period(each, cyclic)) for each in found.segments)
-    return replace(found, segments=segments)
+    return _with_periods(found, cyclic)
 
 
 @one_thread
@@ -353,6 +355,8 @@ def cycles_in_segments(
     progress: Progress | None = None,
 ) -> list[Cycle]:
     """Make the cycles of every segment by itself, in order.
+
+    Where a person named some segments, those without a name are left out.
 
     Parameters
     ----------
@@ -378,8 +382,9 @@ def cycles_in_segments(
     """
     cycles: list[Cycle] = []
     refused = NoPeriod("no segment is long enough to repeat anything")
-    for number, segment in enumerate(found.segments):
-        report(progress, number / len(found), "fitting cycles")
+    segments = [each for each in found.segments if each.name] or found.segments
+    for number, segment in enumerate(segments):
+        report(progress, number / len(segments), "fitting cycles")
         inside = replace(chosen(Options, options), frames=(segment.start, segment.stop))
         try:
             cycles += find_cycles(motion, inside)
@@ -390,6 +395,11 @@ def cycles_in_segments(
     if not cycles:
         raise refused
     return cycles
+
+
+def _with_periods(found: Segmentation, cyclic: Sequence[Behaviour]) -> Segmentation:
+    segments = tuple(replace(each, period=_period(each, cyclic)) for each in found.segments)
+    return replace(found, segments=segments)
 
 
 def _period(segment: Segment, cyclic: Sequence[Behaviour]) -> float | None:

@@ -196,7 +196,7 @@ def test_results_as_files(capture):
     assert len(document["segments"]) == len(found)
     assert len(document["curve"]["values"]) == len(found.curve.frames)
     rows = found.to_csv().splitlines()
-    assert rows[0].startswith("start,end,seconds,label,score")
+    assert rows[0].startswith("start,end,seconds,label,name,kind,score")
     assert len(rows) == len(found) + 1
 
 
@@ -272,10 +272,11 @@ def drifting(motion, deviation, seed, memory=4.0):
 def test_held_poses_are_told_apart_by_posture(capture):
     """Nothing moves in them that could be predicted."""
     poses = [capture.motion[place : place + 1] for place in (0, 2000, 0)]
-    held = concatenate([pose for pose in poses for _ in range(360)])
+    held = concatenate([pose for pose in poses for _ in range(960)])
     found = segment(held)
-    np.testing.assert_allclose(found.cuts, (360, 720), atol=30)
+    np.testing.assert_allclose(found.cuts, (960, 1920), atol=30)
     assert [each.label for each in found.segments] == [0, 1, 0]
+    assert [each.kind for each in found.segments] == ["held"] * 3
 
 
 @pytest.mark.parametrize("frames", [1, 2, 17, 119, 241, 500])

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from roundelay.formats.options import ReadOptions
     from roundelay.loops.options import LoopOptions
     from roundelay.motion.motion import Motion
+    from roundelay.segmentation import Segmentation
 
 __all__ = [
     "BAD_INPUT",
@@ -34,6 +35,7 @@ __all__ = [
     "Picture",
     "Place",
     "Skeleton",
+    "Timetable",
     "exit_code",
     "fail",
     "in_format_of",
@@ -47,6 +49,7 @@ __all__ = [
     "progress_bar",
     "read_capture",
     "refuse_over",
+    "table_of",
 ]
 
 FAULTY, BAD_INPUT, NO_PERIOD, INTERRUPTED = 1, 2, 3, 130
@@ -83,6 +86,14 @@ Output = Annotated[
         metavar="FILE|FOLDER",
         help="A file, by its suffix; else a folder for files named after the capture. Folders are "
         "made if need be.",
+    ),
+]
+Timetable = Annotated[
+    Path | None,
+    typer.Option(
+        "--timeline",
+        help="A table of behaviours that a person edited: start, end (seconds) and name.",
+        show_default=False,
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the results as JSON.")]
@@ -303,3 +314,10 @@ def print_capture(capture: dict[str, Any]) -> None:
 def print_json(record: dict[str, Any] | list[dict[str, Any]]) -> None:
     """Print a record, or several, for machines."""
     typer.echo(json.dumps(record, indent=1))
+
+
+def table_of(path: Path, motion: Motion) -> Segmentation:
+    """Read cuts and names of a capture that a person edited."""
+    from roundelay.segmentation import edited_segments
+
+    return edited_segments(path, len(motion), motion.fps)

@@ -22,6 +22,7 @@ from roundelay.commands.common import (
     Picture,
     Place,
     Skeleton,
+    Timetable,
     exit_code,
     in_format_of,
     one_line_errors,
@@ -31,6 +32,7 @@ from roundelay.commands.common import (
     progress_bar,
     read_capture,
     refuse_over,
+    table_of,
 )
 from roundelay.commands.limbs import print_limbs
 from roundelay.commands.options import takes
@@ -59,6 +61,7 @@ class _Asked:
     reading: ReadOptions
     skeleton: Path | None
     per_behaviour: bool
+    timeline: Path | None
     picture: bool
     gif: bool
     json: bool
@@ -70,6 +73,7 @@ def loop(
     output: Output = ".",
     skeleton: Skeleton = None,
     per_behaviour: PerBehaviour = False,
+    timeline: Timetable = None,
     picture: Picture = True,
     gif: Gif = False,
     json: Json = False,
@@ -82,8 +86,9 @@ def loop(
     """Find the periodic motions of captures and write a seamless loop of each.
 
     Writes NAME_loop.bvh (NAME_loop2.bvh, ... for further motions), NAME_loop.json and
-    NAME_loop.png, or names as -o says; what an earlier run left there, as its record lists it, and
-    this one did not make is removed. Everything is automatic; the options are there to overrule it.
+    NAME_loop.png, or names as -o says; what an earlier run left there under such names, as its
+    record lists it, and this one did not make is removed. Everything is automatic; the options are
+    there to overrule it: with --timeline loops are made of the behaviours that a table names.
 
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found. Of several
     captures the worst counts, 2 being worse than 3.
@@ -91,7 +96,7 @@ def loop(
     with one_line_errors():
         places = _places(captures, output)
         written = in_format_of(places[0], written, given)
-    asked = _Asked(search, written, reading, skeleton, per_behaviour, picture, gif, json)
+    asked = _Asked(search, written, reading, skeleton, per_behaviour, timeline, picture, gif, json)
     records: list[dict[str, Any]] = []
     codes = [
         exit_code(partial(_looped, capture, place, asked, records))
@@ -133,7 +138,7 @@ def _looped(capture: Path, place: Place, asked: _Asked, records: list[dict[str, 
             motion = read_capture(capture, asked.skeleton, asked.reading)
             record = capture_record(motion, capture, asked.search)
             try:
-                loops = _loops(motion, asked.search, asked.written, asked.per_behaviour, progress)
+                loops = _loops(motion, asked, progress)
             except NoPeriod as refusal:
                 records.append(record | refusal_record(refusal))
                 _leave_record(records[-1], place, capture)
@@ -151,23 +156,20 @@ def _looped(capture: Path, place: Place, asked: _Asked, records: list[dict[str, 
             _print_summary(record, place.folder)
 
 
-def _loops(
-    motion: Motion,
-    search: Options,
-    written: LoopOptions,
-    per_behaviour: bool,
-    progress: Progress | None,
-) -> list[Loop]:
-    """Make the loops of the whole capture, or of each of its segments."""
+def _loops(motion: Motion, asked: _Asked, progress: Progress | None) -> list[Loop]:
+    """Make the loops of the whole capture, or of each of its behaviours."""
     from roundelay.loops.recipe import made_loop, numbered
     from roundelay.pipeline import cycles_in_segments, make_loops, segment
 
-    if not per_behaviour:
-        return make_loops(motion, search, written, progress=progress)
-    if search.frames is not None:
-        raise ValueError("expected --frames or --per-behaviour, found both")
-    cycles = cycles_in_segments(segment(motion), motion, search, progress=progress)
-    return [made_loop(cycle, motion, written) for cycle in numbered(cycles)]
+    table = asked.timeline
+    if table is None and not asked.per_behaviour:
+        return make_loops(motion, asked.search, asked.written, progress=progress)
+    if asked.search.frames is not None:
+        option = "--per-behaviour" if table is None else "--timeline"
+        raise ValueError(f"expected --frames or {option}, found both")
+    found = segment(motion) if table is None else table_of(table, motion)
+    cycles = cycles_in_segments(found, motion, asked.search, progress=progress)
+    return [made_loop(cycle, motion, asked.written) for cycle in numbered(cycles)]
 
 
 def _written(
@@ -204,7 +206,8 @@ def _leave_record(record: dict[str, Any], place: Place, capture: Path) -> None:
 
     path = place.path("loop", ".json")
     own, kept = re.compile(re.escape(path.stem) + r"\d*\.\w+"), _files_of(record)
-    for name in _listed(path):
+    # What was named by hand is left to who named it.
+    for name in _listed(path) if place.file is None else ():
         old = place.folder / name
         if own.fullmatch(name) and name not in kept and old.resolve() != capture.resolve():
             old.unlink(missing_ok=True)

@@ -15,11 +15,13 @@ from roundelay.commands.common import (
     Picture,
     Place,
     Skeleton,
+    Timetable,
     one_line_errors,
     place_of,
     print_json,
     progress_bar,
     read_capture,
+    table_of,
 )
 from roundelay.commands.options import only, takes
 from roundelay.formats.options import ReadOptions
@@ -33,6 +35,12 @@ if TYPE_CHECKING:
 Split = Annotated[bool, typer.Option("--split", help="Write each segment as a BVH of its own.")]
 
 
+Tabs = Annotated[
+    bool,
+    typer.Option("--tabs", help="Write start, end and name for ELAN, BORIS or Audacity, too."),
+]
+
+
 _SUFFIXES = (".json", ".csv", ".png")
 
 
@@ -41,7 +49,9 @@ def segment(
     capture: Capture,
     output: Output = ".",
     skeleton: Skeleton = None,
+    timeline: Timetable = None,
     split: Split = False,
+    tabs: Tabs = False,
     picture: Picture = True,
     json: Json = False,
     *,
@@ -52,8 +62,9 @@ def segment(
     """Cut a capture into behaviours, and name those that come back alike.
 
     Writes NAME_segments.json, NAME_segments.csv (a bout table: start and end in seconds, label,
-    score) and NAME_segments.png; with --split also NAME_segment01.bvh and so on. Of each
-    segment it is told whether it repeats itself, and with what period.
+    name, kind, score) and NAME_segments.png; with --split also NAME_segment01.bvh and so on. Of
+    each segment it is told whether it repeats itself, and with what period. With --timeline the
+    cuts and names are those of a table, such as NAME_segments.csv after an edit.
 
     Exit code 0: the capture was cut, perhaps into one segment; 2: bad input.
     """
@@ -63,8 +74,13 @@ def segment(
         with progress_bar(quiet=json) as progress:
             motion = read_capture(capture, skeleton, reading)
             place = place_of(output, name_of(capture), _SUFFIXES)
-            found = cut_motion(motion, method=cut.chosen, joints=search.joints, progress=progress)
-        record = _write(found, motion, capture, place, split, picture)
+            found = cut_motion(
+                motion,
+                method=cut.chosen if timeline is None else table_of(timeline, motion),
+                joints=search.joints,
+                progress=progress,
+            )
+        record = _write(found, motion, capture, place, split, picture, tabs)
         if json:
             print_json(record)
         else:
@@ -72,7 +88,13 @@ def segment(
 
 
 def _write(
-    found: Segmentation, motion: Motion, capture: Path, place: Place, split: bool, picture: bool
+    found: Segmentation,
+    motion: Motion,
+    capture: Path,
+    place: Place,
+    split: bool,
+    picture: bool,
+    tabs: bool,
 ) -> dict[str, Any]:
     """Write record, bout table, picture and clips; return the record."""
     from roundelay.base.files import written_beside
@@ -88,6 +110,11 @@ def _write(
             record["files"].append(path.name)
     with written_beside(place.path("segments", ".csv")) as part:
         part.write_text(found.to_csv(), encoding="utf-8")
+    if tabs:
+        from roundelay.segmentation import tab_separated
+
+        with written_beside(place.path("segments", ".txt")) as part:
+            part.write_text(tab_separated(found), encoding="utf-8")
     if picture:
         from roundelay.output.figures import save
         from roundelay.output.figures.timeline import timeline
@@ -104,12 +131,13 @@ def _print_table(found: Segmentation, capture: Path) -> None:
         f"{capture.name}: {found.n_frames} frames, {seconds:.1f} s; "
         f"{_counted(len(found), 'segment')}, {_counted(behaviours, 'behaviour')}"
     )
-    typer.echo("    start      end  seconds  label  score  period      frames")
+    typer.echo("    start      end  seconds  name  kind     score  period      frames")
     for row in found.bouts():
         score = "-" if row["score"] is None else f"{row['score']:.2f}"
         period = "-" if row["period"] is None else f"{row['period']:.2f} s"
         typer.echo(
-            f"{row['start']:9.2f}{row['end']:9.2f}{row['seconds']:9.2f}{row['label']:7d}"
+            f"{row['start']:9.2f}{row['end']:9.2f}{row['seconds']:9.2f}  {row['name']:4s}  "
+            f"{row['kind']:7s}"
             f"{score:>7}{period:>8}  {row['start_frame']:6d}-{row['end_frame']}"
         )
 

@@ -6,6 +6,7 @@
 
 from roundelay.segmentation.behaviours import BehaviourOptions
 from roundelay.segmentation.cutting import method_names, segment, segment_channels, segmented
+from roundelay.segmentation.edited import Edited, edited_segments, tab_separated
 from roundelay.segmentation.features import (
     STANDARD_JOINTS,
     corresponding_joints,
@@ -28,6 +29,7 @@ __all__ = [
     "Channels",
     "Curve",
     "Cuts",
+    "Edited",
     "GMMOptions",
     "GaussianOptions",
     "OnlinePCA",
@@ -40,6 +42,7 @@ __all__ = [
     "SegmentationMethod",
     "Truth",
     "corresponding_joints",
+    "edited_segments",
     "joint_quaternions",
     "method_names",
     "pooled",
@@ -48,4 +51,5 @@ __all__ = [
     "segment_channels",
     "segmentation_methods",
     "segmented",
+    "tab_separated",
 ]

@@ -70,14 +70,14 @@ class Behaviours:
         tree = CutTree.of(channels, shortest=options.shortest, resolution=options.resolution)
         kept, step = _section(tree, options), tree.model.step
         cuts = list(kept)
-        labels = tree.labels(cuts)
+        labels, held = tree.described(cuts)
         odds = np.exp(np.array(list(kept.values())))
         sure = (odds / (1.0 + odds)).tolist()
         frames = np.arange(len(channels.values), dtype=float)
         probability = np.zeros(len(frames))
         probability[[cut * step for cut in cuts]] = sure
         curve = Curve(frames, probability, "probability of a cut")
-        return Cuts([cut * step for cut in cuts], sure, curve, labels)
+        return Cuts([cut * step for cut in cuts], sure, curve, labels, held)
 
 
 def _section(tree: CutTree, options: BehaviourOptions) -> dict[int, float]:

@@ -171,23 +171,30 @@ def segmented(channels: Channels, method: SegmentationMethod, options: Any) -> S
     if len(channels.values) == 0:
         raise TooShort("expected at least one frame, found none")
     found = method.find(channels, options)
-    labels = _recurring(channels, found) if found.labels is None else found.labels
-    segments = _segments(found, labels, len(channels.values))
+    labels, held = found.labels, found.held
+    if labels is None or held is None:
+        told = _described(channels, found)
+        labels, held = labels or told[0], held or told[1]
+    segments = _segments(found, labels, held, len(channels.values))
     return Segmentation(segments, method.name, options, 1.0 / channels.fps, found.curve)
 
 
-def _recurring(channels: Channels, found: Cuts) -> Sequence[int]:
-    """Label segments as the default method does."""
+def _described(channels: Channels, found: Cuts) -> tuple[list[int], list[bool]]:
+    """Tell of segments what the default method does: labels, and which are held."""
     tree = CutTree.of(channels, shortest=0.0)
-    return tree.labels([min(cut // tree.model.step, len(tree.model) - 1) for cut in found.frames])
+    places = [min(cut // tree.model.step, len(tree.model) - 1) for cut in found.frames]
+    return tree.described(places)
 
 
-def _segments(found: Cuts, labels: Sequence[int], frames: int) -> tuple[Segment, ...]:
+def _segments(
+    found: Cuts, labels: Sequence[int], held: Sequence[bool], frames: int
+) -> tuple[Segment, ...]:
     bounds = [0, *found.frames, frames]
     clear = [np.inf, *found.strengths, np.inf]
+    scores = [float(s) if np.isfinite(s) else None for s in np.minimum(clear[:-1], clear[1:])]
     return tuple(
-        Segment(start, stop, label, float(score) if np.isfinite(score) else None)
-        for start, stop, label, score in zip(
-            bounds[:-1], bounds[1:], labels, np.minimum(clear[:-1], clear[1:]), strict=True
+        Segment(start, stop, label, score, held=still)
+        for start, stop, label, score, still in zip(
+            bounds[:-1], bounds[1:], labels, scores, held, strict=True
         )
     )

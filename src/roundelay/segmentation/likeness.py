@@ -72,8 +72,8 @@ class Stretch:
 
     @cached_property
     def still(self) -> bool:
-        """Whether it moves no more than errors that do not matter."""
-        moved = np.mean(np.sum(self.windows**2, axis=1))
+        """Whether it mostly moves no more than errors that do not matter."""
+        moved = np.median(np.sum(self.windows**2, axis=1))
         return bool(moved < (LIKENESS.error * self.resolution) ** 2)
 
     @cached_property

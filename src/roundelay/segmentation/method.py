@@ -71,14 +71,17 @@ class Cuts:
     curve : Curve
         What the method watched.
     labels : sequence of int, optional
-        One a segment, numbered by first appearance from 0; by default, segments that one
-        Gaussian describes as well as two share a label.
+        One a segment, numbered by first appearance from 0; by default, segments that predict
+        each other share a label.
+    held : sequence of bool, optional
+        Whether nothing moves in a segment that matters, one a segment; found out by default.
     """
 
     frames: Sequence[int]
     strengths: Sequence[float]
     curve: Curve
     labels: Sequence[int] | None = None
+    held: Sequence[bool] | None = None
 
 
 class SegmentationMethod(Protocol):

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,10 @@ class Segment:
         method asks of a cut (1 is just enough); None if the segment is the whole capture.
     period : float or None
         Seconds of one repetition if the segment is periodic, None if it is not.
+    held : bool
+        Whether nothing moves in it that matters.
+    name : str
+        As a person named it; empty if nobody did.
     """
 
     start: int
@@ -42,6 +46,8 @@ class Segment:
     label: int
     score: float | None = None
     period: float | None = None
+    held: bool = False
+    name: str = ""
 
     def __len__(self) -> int:
         return self.stop - self.start
@@ -50,6 +56,18 @@ class Segment:
     def periodic(self) -> bool:
         """Whether the segment repeats itself."""
         return self.period is not None
+
+    @property
+    def kind(self) -> Literal["cyclic", "held", "passing"]:
+        """Whether it repeats itself, stands still, or neither."""
+        if self.periodic:
+            return "cyclic"
+        return "held" if self.held else "passing"
+
+    @property
+    def title(self) -> str:
+        """Its name, or the letter of its label: A for 0; its number from 26 on."""
+        return self.name or (chr(ord("A") + self.label) if self.label < 26 else str(self.label))
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +135,18 @@ class Segmentation:
         """The label (F,) of every frame."""
         return np.repeat([s.label for s in self.segments], [len(s) for s in self.segments])
 
+    def checked(self, n_frames: int) -> Segmentation:
+        """Return itself for a capture of so many frames.
+
+        Raises
+        ------
+        ValueError
+            If it has another number.
+        """
+        if n_frames != self.n_frames:
+            raise ValueError(f"expected a motion of {self.n_frames} frames, found {n_frames}")
+        return self
+
     def clips(self, motion: Motion) -> list[Motion]:
         """Return the part of a motion that belongs to each segment.
 
@@ -125,18 +155,19 @@ class Segmentation:
         ValueError
             If the motion has another number of frames.
         """
-        if len(motion) != self.n_frames:
-            raise ValueError(f"expected a motion of {self.n_frames} frames, found {len(motion)}")
+        self.checked(len(motion))
         return [motion[segment.start : segment.stop] for segment in self.segments]
 
     def bouts(self) -> list[dict[str, Any]]:
-        """Return one row a segment: start, end (seconds), seconds, label, score and more."""
+        """Return one row a segment: start, end (seconds), seconds, label, name, kind and more."""
         return [
             {
                 "start": segment.start * self.frame_time,
                 "end": segment.stop * self.frame_time,
                 "seconds": len(segment) * self.frame_time,
                 "label": segment.label,
+                "name": segment.title,
+                "kind": segment.kind,
                 "score": segment.score,
                 "period": segment.period,
                 "start_frame": segment.start,

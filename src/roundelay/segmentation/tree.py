@@ -74,7 +74,7 @@ class CutTree:
         kept = sorted(found, key=lambda cut: -found[cut])[:count]
         return {cut: found[cut] for cut in sorted(kept)}
 
-    def labels(self, cuts: Sequence[int]) -> list[int]:
+    def described(self, cuts: Sequence[int]) -> tuple[list[int], list[bool]]:
         """Label what cuts leave, so that a behaviour that comes back bears the same label.
 
         Parameters
@@ -84,10 +84,15 @@ class CutTree:
 
         Returns
         -------
-        list of int
+        labels : list of int
             Numbered by first appearance.
+        held : list of bool
+            Whether nothing moves in it that matters.
         """
-        return [0] * (len(cuts) + 1) if self.model.still else _labelled(self._stretches(cuts))
+        if self.model.still:
+            return [0] * (len(cuts) + 1), [True] * (len(cuts) + 1)
+        stretches = self._stretches(cuts)
+        return _labelled(stretches), [each.still for each in stretches]
 
     def _stretches(self, cuts: Sequence[int]) -> list[Stretch]:
         """Return the stretches that cuts leave, each of a frame at least, and what fills them."""

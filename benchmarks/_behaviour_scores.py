@@ -84,12 +84,14 @@ def pairs(found: Segmentation, truth: Truth) -> Pairs:
 def _curve(single: Sequence[rl.Motion], joined: Sequence[Take]) -> list[dict[str, float]]:
     """False cuts a minute of clips of one behaviour, and recall on the same clips joined."""
     rows = []
+    told = [rl.understand(take.motion) for take in joined]
     for sensitivity in SENSITIVITIES:
+        found = [
+            rl.segment(take.motion, sensitivity=sensitivity, timeline=timeline)
+            for take, timeline in zip(joined, told, strict=True)
+        ]
         near = pooled(
-            [
-                score(rl.segment(take.motion, sensitivity=sensitivity), take.truth).at(0.5)
-                for take in joined
-            ]
+            [score(one, take.truth).at(0.5) for one, take in zip(found, joined, strict=True)]
         )
         rows.append(
             {
@@ -119,7 +121,9 @@ def _nested(motions: Sequence[rl.Motion]) -> float:
     asked = [2.0**k for k in range(-5, 5)]
     whole = 0
     for motion in motions:
-        cuts = [set(rl.segment(motion, sensitivity=sensitivity).cuts) for sensitivity in asked]
+        told = rl.understand(motion)
+        found = [rl.segment(motion, sensitivity=one, timeline=told) for one in asked]
+        cuts = [set(one.cuts) for one in found]
         whole += all(one <= other for one, other in pairwise(cuts))
     return whole / len(motions)
 

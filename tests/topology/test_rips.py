@@ -197,7 +197,7 @@ def test_more_bad_input() -> None:
         persistent_cohomology([1.0, 2.0, 3.0, 4.0])
     with pytest.raises(ValueError, match="finite points"):
         persistent_cohomology([[0.0], [1.0], [np.nan], [2.0]])
-    with pytest.raises(ValueError, match="all 5 points are equal"):
+    with pytest.raises(ValueError, match="expected different points, found 5 equal ones"):
         persistent_cohomology(np.ones((5, 3)))
     with pytest.raises(ValueError, match="metric"):
         persistent_cohomology(SQUARE, metric="cosine")  # type: ignore[arg-type]

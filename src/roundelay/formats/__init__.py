@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from roundelay.base.checks import expected
+from roundelay.base.checks import as_path, expected
 from roundelay.base.errors import RateAssumed, TooShort
 from roundelay.base.files import STANDARD_INPUT, name_of, unpacked
 from roundelay.formats.registry import (
@@ -87,7 +87,7 @@ def read(
     OSError
         If the file cannot be read.
     """
-    path = Path(path)
+    path = as_path(path)
     reader = reader_of(path, suffix)
     with _rate_known(fps is not None):
         motion = _upright(_read(reader, path, skeleton))
@@ -138,7 +138,7 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
     OSError
         If the file cannot be written.
     """
-    path = Path(path)
+    path = as_path(path)
     writer = writer_of(path)
     if not len(expected(Motion, motion)):
         raise TooShort("expected a motion of at least one frame, found none")

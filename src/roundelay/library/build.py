@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from datetime import UTC, datetime
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from roundelay.base.checks import chosen
+from roundelay.base.checks import as_path, chosen
 from roundelay.base.errors import FormatError
 from roundelay.base.progress import Progress, report
 from roundelay.base.threads import one_thread
@@ -79,9 +79,10 @@ def build_library(
     """
     if jobs is not None and jobs < 1:
         raise ValueError(f"expected at least one job, found {jobs}")
-    folder, options = Path(folder).resolve(), chosen(LoopOptions, options)
-    given = [sources] if isinstance(sources, str | PathLike) else sources
-    places = [_rooted(Path(source)) for source in given]
+    folder, options = as_path(folder).resolve(), chosen(LoopOptions, options)
+    given = sources if isinstance(sources, Iterable) else [sources]
+    given = [sources] if isinstance(sources, str | bytes) else given
+    places = [_rooted(as_path(source)) for source in given]
     captures, faults = find_captures(places, besides=folder / LOOPS)
     unread = [f"{fault.filename}: {fault.strerror}" for fault in faults]
     tell = refused or (lambda line: None)

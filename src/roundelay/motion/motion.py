@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roundelay.base.checks import expected
+from roundelay.base.checks import all_expected, as_number, as_numbers, expected
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.skeleton import Skeleton
@@ -64,18 +64,18 @@ class Motion:
     up: int = 1
 
     def __post_init__(self) -> None:
-        joints = self.skeleton.n_joints
-        rotations = np.asarray(self.rotations, float)
-        path = np.asarray(self.root_path, float)
-        frames = len(path)
+        joints = expected(Skeleton, self.skeleton).n_joints
+        rotations = np.asarray(as_numbers(self.rotations, "rotations"), float)
+        path = np.asarray(as_numbers(self.root_path, "root_path"), float)
+        frames = len(path) if path.ndim else 0
         _check_shape("rotations", rotations, (frames, joints, 4))
         _check_shape("root_path", path, (frames, 3))
-        if not (np.isfinite(self.frame_time) and self.frame_time > 0.0):
+        if not (np.isfinite(as_number(self.frame_time, "frame time")) and self.frame_time > 0.0):
             raise ValueError(f"expected a positive frame time, found {self.frame_time}")
         object.__setattr__(self, "rotations", _frozen(rot.continuous(rotations)))
         object.__setattr__(self, "root_path", _frozen(path.copy()))
         if self.translations is not None:
-            moved = np.array(self.translations, float)
+            moved = np.array(as_numbers(self.translations, "translations"), float)
             _check_shape("translations", moved, (frames, joints, 3))
             object.__setattr__(self, "translations", _frozen(moved))
 
@@ -289,11 +289,12 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
     SkeletonMismatch
         If their skeletons differ.
     """
+    motions = all_expected(Motion, motions)
     if not motions:
-        raise ValueError("expected at least one motion")
-    first = expected(Motion, motions[0])
+        raise ValueError("expected at least one motion, found none")
+    first = motions[0]
     for other in motions[1:]:
-        first.skeleton.require_same(expected(Motion, other).skeleton)
+        first.skeleton.require_same(other.skeleton)
         if not np.isclose(other.frame_time, first.frame_time, rtol=1e-4):
             raise ValueError(f"expected one frame rate, found {first.fps:g} and {other.fps:g} fps")
     moved = None

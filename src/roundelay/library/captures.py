@@ -8,14 +8,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from roundelay.formats import in_words, readers, suffixes_of
+from roundelay.library.log import LOG
+from roundelay.library.sealed import SEAL
 
-__all__ = ["find_captures"]
+__all__ = ["LOOPS", "find_captures"]
+
+LOOPS = "loops"
+"""The folder of a library that holds the loops."""
 
 
 def find_captures(sources: Sequence[Path], besides: Path) -> tuple[dict[str, Path], list[OSError]]:
     """List the files that a reader knows among files and below folders.
 
-    Hidden ones are left out: what other systems keep beside each file has its suffix, too.
+    Hidden ones are left out: what other systems keep beside each file has its suffix, too. So are
+    the loops of libraries.
 
     Parameters
     ----------
@@ -58,11 +64,25 @@ def find_captures(sources: Sequence[Path], besides: Path) -> tuple[dict[str, Pat
     return {path.relative_to(root).as_posix(): path for path in sorted(found)}, faults
 
 
+def _is_library(folder: Path, files: Sequence[str]) -> bool:
+    """Tell whether a folder is a library, whose loops are no captures."""
+    if LOG not in files:
+        return False
+    try:
+        with (folder / LOG).open("rb") as log:
+            return log.read(len(SEAL)) == SEAL
+    except OSError:
+        return False
+
+
 def _below(top: Path, besides: Path, faults: list[OSError]) -> list[Path]:
     found, suffixes = [], suffixes_of(readers)
     for place, folders, files in os.walk(top, onerror=faults.append):
         here = Path(place)
-        folders[:] = [f for f in folders if not f.startswith(".") and here / f != besides]
+        ours = LOOPS if _is_library(here, files) else ""
+        folders[:] = [
+            f for f in folders if not f.startswith(".") and f != ours and here / f != besides
+        ]
         found += [
             here / file
             for file in files

@@ -155,7 +155,8 @@ def written_beside(path: Path, *, durable: bool = False) -> Iterator[Path]:
             _flushed_folder(path.parent)
     except OSError as error:
         # A full disk is told of without a name, and the name in between is of no use.
-        if error.filename is None or Path(error.filename) == part:
+        unnamed = error.filename is None and error.errno is not None
+        if unnamed or (error.filename is not None and Path(error.filename) == part):
             error.filename, error.filename2 = str(path), None
         raise
     finally:

@@ -136,23 +136,10 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 
 
 def read_capture(path: Path, skeleton: Path | None, reading: ReadOptions) -> Motion:
-    """Read a capture with the skeleton it needs.
-
-    Raises
-    ------
-    FormatError
-        If it tells a frame rate that no camera has.
-    """
-    from roundelay.base.errors import FormatError
+    """Read a capture with the skeleton it needs."""
     from roundelay.formats import read
-    from roundelay.motion.motion import FASTEST
 
-    fps, suffix = reading.capture_fps, reading.suffix
-    motion = read(path, skeleton=skeleton, fps=fps, suffix=suffix)
-    if motion.fps > FASTEST:
-        told = f"expected up to {FASTEST:g} frames a second, found {motion.fps:g}"
-        raise FormatError(f"{told}; give the true rate by --capture-fps", path=path)
-    return motion
+    return read(path, skeleton=skeleton, fps=reading.capture_fps, suffix=reading.suffix)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from roundelay.base.errors import RoundelayWarning
 from roundelay.formats.gltf_document import Document, Part, load
 from roundelay.formats.gltf_keys import Clock, Track, common_clock, read_track
 from roundelay.formats.moving import leave
+from roundelay.formats.sane import LARGEST
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
@@ -35,8 +36,6 @@ _EVEN = 1e-3
 _MOVING = "an animation that moves the skeleton's nodes"
 # Names in a note.
 _NAMED = 8
-# Scales are multiplied down the tree; beyond this they are no lengths.
-_LARGEST = 1e12
 
 
 class GltfReader:
@@ -379,8 +378,9 @@ def _root(placed: _Placed, chain: list[int]) -> tuple[Array, Array, float]:
 
 
 def _product(placed: _Placed, node: int, above: float) -> float:
+    # Scales are multiplied down the tree.
     product = above * placed.scales[node]
-    if not 1.0 / _LARGEST < product < _LARGEST:
+    if not 1.0 / LARGEST < product < LARGEST:
         raise placed.nodes[node].part.error("a scale that leaves lengths", f"{product:g}")
     return product
 

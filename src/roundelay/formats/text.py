@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from roundelay.base.errors import FormatError
 from roundelay.base.files import content, written_beside
 from roundelay.formats import decimals
+from roundelay.formats.sane import LARGEST
 
 __all__ = [
     "Cursor",
@@ -191,7 +192,9 @@ class Cursor:
 
     def found(self, expected: str, token: Token) -> FormatError:
         """Return the error of a word that is not what was expected."""
-        return self.source.error(f"expected {expected}, found {shown(token.text)}", token.at)
+        large = decimals.is_decimal(token.text.encode()) and abs(float(token.text)) > LARGEST
+        more = f", more than {LARGEST:g}" if large else ""
+        return self.source.error(f"expected {expected}, found {shown(token.text)}{more}", token.at)
 
 
 def shown(text: str) -> str:
@@ -233,8 +236,8 @@ def check_proportion(source: Source, at: int, frames: int, joints: int) -> None:
 def _bad_number(source: Source, start: int) -> FormatError:
     for match in _WORD.finditer(source.data, start):
         if not decimals.is_number(match.group()):
-            found = shown(source.decode(*match.span()))
-            return source.error(f"expected a number, found {found}", match.start())
+            token = Token(source.decode(*match.span()), match.start())
+            return Cursor(source).found("a number", token)
     raise AssertionError("the fast and the strict reader disagree on what is a number")
 
 

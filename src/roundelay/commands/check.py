@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from roundelay.base.texts import shown
 from roundelay.commands.common import FAULTY, Json, one_line_errors, print_json, read_capture
 from roundelay.commands.options import only, takes
 from roundelay.formats.options import ReadOptions
@@ -150,11 +151,11 @@ def _record(one: _Checked, written: Path | None) -> dict[str, Any]:
 def _print(one: _Checked, written: Path | None) -> None:
     count = len(one.faults)
     said = "clean" if not count else f"{count} fault{'s' if count > 1 else ''}"
-    typer.echo(f"{one.path}: {len(one.motion)} frames at {one.motion.fps:.4g} fps, {said}")
+    typer.echo(f"{shown(one.path)}: {len(one.motion)} frames at {one.motion.fps:.4g} fps, {said}")
     for fault in one.faults:
         typer.echo(
             f"  {fault.name}: {fault.says} ({fault.value:.3g} {fault.unit}, "
             f"limit {fault.limit:.3g})"
         )
     if written is not None:
-        typer.echo(f"    -> {written}")
+        typer.echo(f"    -> {shown(written)}")

@@ -15,6 +15,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from roundelay.base.files import fitting
+from roundelay.base.texts import printable, shown
+
 if TYPE_CHECKING:
     from roundelay.base.progress import Progress
     from roundelay.formats.options import ReadOptions
@@ -34,6 +37,7 @@ __all__ = [
     "Picture",
     "Place",
     "Skeleton",
+    "echo",
     "exit_code",
     "fail",
     "in_format_of",
@@ -47,6 +51,8 @@ __all__ = [
 ]
 
 FAULTY, BAD_INPUT, NO_PERIOD, INTERRUPTED = 1, 2, 3, 130
+# Bytes of a name that others begin with: with what follows, each fits.
+_LONGEST = 100
 _LIKE_A_SUFFIX = re.compile(r"\.[a-z]{2,5}")
 
 Capture = Annotated[
@@ -86,9 +92,14 @@ Json = Annotated[bool, typer.Option("--json", help="Print the results as JSON.")
 Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
 
 
+def echo(text: str, *, err: bool = False) -> None:
+    """Print lines of text; what would command a terminal is shown instead."""
+    typer.echo(printable(text), err=err)
+
+
 def fail(message: str, code: int = BAD_INPUT) -> NoReturn:
     """End the program with one line on standard error."""
-    typer.echo(f"roundelay: {message}", err=True)
+    echo(f"roundelay: {message}", err=True)
     raise typer.Exit(code)
 
 
@@ -132,7 +143,7 @@ def exit_code(work: Callable[[], None]) -> int:
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    typer.echo(f"roundelay: note: {message}", err=True)
+    echo(f"roundelay: note: {message}", err=True)
 
 
 def read_capture(path: Path, skeleton: Path | None, reading: ReadOptions) -> Motion:
@@ -150,7 +161,7 @@ class Place:
     ----------
     folder : Path
     name : str
-        Of the capture: files in a folder begin with it.
+        Of the capture, cut if it is long: files in a folder begin with it.
     file : Path or None
         The file that was asked for by its name.
     """
@@ -186,7 +197,7 @@ def place_of(output: str, name: str, suffixes: Iterable[str]) -> Place:
     OSError
         If the folder cannot be made.
     """
-    path, known = Path(output), tuple(suffixes)
+    path, known, name = Path(output), tuple(suffixes), fitting(name, "", _LONGEST)
     suffix = path.suffix.lower()
     if output.endswith("/") or path.is_dir():
         return Place(output_directory(path), name)
@@ -249,8 +260,8 @@ def progress_bar(quiet: bool) -> Iterator[Progress | None]:
 
 def print_capture(capture: dict[str, Any]) -> None:
     """Say what was read, from the record of a capture."""
-    typer.echo(
-        f"{capture['file']}: {capture['frames']} frames at {capture['fps']:.4g} fps, "
+    echo(
+        f"{shown(capture['file'])}: {capture['frames']} frames at {capture['fps']:.4g} fps, "
         f"{capture['seconds']:.1f} s, {capture['joints']} joints"
     )
 

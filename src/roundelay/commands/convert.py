@@ -7,9 +7,11 @@ from typing import Annotated
 import typer
 
 from roundelay.base.files import name_of
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     Capture,
     Skeleton,
+    echo,
     one_line_errors,
     place_of,
     read_capture,
@@ -53,7 +55,7 @@ def convert(
 
         name = name_of(capture)
         place = place_of(target, name, suffixes_of(writers))
-        path = place.file or place.folder / f"{name}.{written.file_format}"
+        path = place.file or place.folder / f"{place.name}.{written.file_format}"
         motion = read_capture(capture, skeleton, reading)
         wanted = search.span(len(motion))
         if wanted is not None:
@@ -62,4 +64,4 @@ def convert(
         if written.fps is not None:
             motion = motion.resample(written.fps)
         write(motion, path)
-        typer.echo(f"{path}: {len(motion)} frames at {motion.fps:.4g} fps")
+        echo(f"{shown(path)}: {len(motion)} frames at {motion.fps:.4g} fps")

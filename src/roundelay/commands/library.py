@@ -17,6 +17,7 @@ from roundelay.commands.common import (
     NO_PERIOD,
     Directory,
     Json,
+    echo,
     fail,
     one_line_errors,
     print_json,
@@ -93,7 +94,7 @@ def library(
                     limits=_limits(clip_seconds, clip_memory),
                     again=again,
                     progress=progress,
-                    refused=lambda line: typer.echo(f"roundelay: {line}", err=True),
+                    refused=lambda line: echo(f"roundelay: {line}", err=True),
                 )
         except KeyboardInterrupt:
             fail("interrupted; run it again to go on", INTERRUPTED)
@@ -130,18 +131,18 @@ def _bar(quiet: bool) -> Iterator[Progress | None]:
 
 def _print_summary(made: Library, folder: Path, seconds: float) -> None:
     counts = made.summary
-    typer.echo(
+    echo(
         f"{folder}: clips: {counts['clips']}, loops: {counts['loops']}, "
         f"groups: {counts['groups']}, refused: {counts['refused']}; {seconds:.1f} s"
     )
     largest = sorted(made.record["groups"], key=lambda group: -group["cycles"])[:10]
     for group in largest:
-        typer.echo(
+        echo(
             f"  group {group['group']:3d}: cycles: {group['cycles']}, clips: {group['clips']}, "
             f"period {group['period_seconds']:.2f} s; for example {group['example']}"
         )
     if len(made.record["groups"]) > len(largest):
-        typer.echo(f"  and {len(made.record['groups']) - len(largest)} more")
+        echo(f"  and {len(made.record['groups']) - len(largest)} more")
 
 
 def _code(made: Library) -> int:

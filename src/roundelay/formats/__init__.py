@@ -14,6 +14,7 @@ import numpy as np
 from roundelay.base.checks import as_path, expected
 from roundelay.base.errors import FormatError, RateAssumed, TooShort
 from roundelay.base.files import STANDARD_INPUT, name_of, unpacked
+from roundelay.base.texts import shown
 from roundelay.formats.registry import (
     Reader,
     SkeletonReader,
@@ -154,4 +155,6 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
     fault = fault_of(motion)
     if fault is not None:
         raise ValueError(fault)
+    name = shown(motion.name)
+    motion = motion if name == motion.name else replace(motion, name=name)
     writer.write(motion, path)

@@ -179,8 +179,7 @@ def late_clip(clip: Clip) -> Entry:
 
 def _refused(clip: Clip, error: Exception, stamp: dict[str, Any] | None) -> Entry:
     """Tell why a clip is left out; without a stamp it is tried again next time."""
-    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    reason = reason or "out of memory"
+    reason = _reason(clip, error) or "out of memory"
     known = isinstance(error, RoundelayError | OSError | MemoryError)
     reason = reason if known else f"{type(error).__name__}: {reason}"
     # An error of the format begins with the file and the line.
@@ -189,6 +188,14 @@ def _refused(clip: Clip, error: Exception, stamp: dict[str, Any] | None) -> Entr
     record = {"file": clip.name, "frames": 0, "seconds": 0.0, "segments": [], "cycles": []}
     left = {name: known for name, known in clip.old.items() if (clip.folder / name).exists()}
     return Entry(record | {"reason": None, "error": line, "files": left}, stamp)
+
+
+def _reason(clip: Clip, error: Exception) -> str:
+    """Say what went wrong, and with which file if that is not the clip's own."""
+    if not isinstance(error, OSError) or not error.strerror:
+        return str(error)
+    other = error.filename is not None and Path(error.filename) != clip.path
+    return f"{error.filename}: {error.strerror}" if other else error.strerror
 
 
 def _segments(motion: Motion) -> list[dict[str, Any]]:

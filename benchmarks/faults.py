@@ -214,11 +214,10 @@ def workers(known: dict[str, str], folder: Path, moments: int, ledger: Ledger) -
     started(words(name, known, whole)).communicate()
     for moment in range(moments):
         run = started(words(name, known, out))
-        time.sleep(0.8 + 0.15 * moment)
-        children = Path(f"/proc/{run.pid}/task/{run.pid}/children")
-        pids = children.read_text().split() if children.exists() else []
+        pids = children_of(run)
+        time.sleep(0.1 * moment)
         for pid in pids[-1:]:
-            os.kill(int(pid), signal.SIGKILL)
+            os.kill(pid, signal.SIGKILL)
         _, complained = run.communicate()
         ledger.tried["killed workers"] += bool(pids)
         bad = "Traceback" in complained or run.returncode not in (0, 2, 3)
@@ -227,6 +226,16 @@ def workers(known: dict[str, str], folder: Path, moments: int, ledger: Ledger) -
         ledger.note("not_mended", f"worker {moment}", contents(out) != contents(whole))
         shutil.rmtree(out, ignore_errors=True)
     shutil.rmtree(whole)
+
+
+def children_of(run: subprocess.Popen[str]) -> list[int]:
+    """Wait until a run has as many processes as it was asked for, or ends; return their ids."""
+    found: list[int] = []
+    while run.poll() is None and len(found) < 3:  # one watches over what they share
+        path = Path(f"/proc/{run.pid}/task/{run.pid}/children")
+        found = [int(word) for word in path.read_text().split()] if path.exists() else []
+        time.sleep(0.01)
+    return found
 
 
 def at_once(known: dict[str, str], folder: Path, ledger: Ledger) -> None:
@@ -331,7 +340,7 @@ def main() -> None:
             print(line, file=sys.stderr, flush=True)
     kinds = [target.path for target in TARGETS]
     summary = {**{kind: ledger.wrong[kind] for kind in kinds}, "tried": dict(ledger.tried)}
-    table = (f"{kind}: {count}" for kind, count in summary.items())
+    table = [f"{kind}: {count}" for kind, count in summary.items()] + ledger.told
     report("faults", {"summary": summary, "told": ledger.told}, TARGETS, arguments, table=table)
 
 

@@ -38,14 +38,23 @@ def locked(path: Path) -> Iterator[None]:
     """
     descriptor = _taken(path)
     try:
-        os.ftruncate(descriptor, 0)
-        os.write(descriptor, json.dumps(_own()).encode())
+        _sign(descriptor, path)
         yield
     finally:
         # Windows lets nobody remove what is open: the empty file is taken over next time.
         with suppress(OSError):
             path.unlink()
         os.close(descriptor)
+
+
+def _sign(descriptor: int, path: Path) -> None:
+    """Write into a lock file who holds it."""
+    try:
+        os.ftruncate(descriptor, 0)
+        os.write(descriptor, json.dumps(_own()).encode())
+    except OSError as error:
+        error.filename = str(path)
+        raise
 
 
 def _taken(path: Path) -> int:

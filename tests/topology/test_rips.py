@@ -6,7 +6,7 @@ import ripser
 
 from clouds import PRIMES, full_matrix, noisy_circle, random_clouds
 from roundelay.base.errors import TooLarge, TooShort
-from roundelay.topology import Barcode, memory, pairwise_distances, persistent_cohomology
+from roundelay.topology import Barcode, pairwise_distances, persistent_cohomology
 
 
 def oracle(points: np.ndarray, prime: int) -> tuple[np.ndarray, np.ndarray]:
@@ -212,7 +212,7 @@ def test_more_bad_input() -> None:
 def test_a_problem_that_does_not_fit_is_refused_before_it_starts(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(memory, "available_memory", lambda: 1_000_000)
+    monkeypatch.setattr("roundelay.base.memory.available_memory", lambda: 1_000_000)
     with pytest.raises(TooLarge, match=r"0\.0 GB are free: use landmarks"):
         persistent_cohomology(np.zeros((20_000, 2)))
     with pytest.raises(TooLarge, match="65535"):

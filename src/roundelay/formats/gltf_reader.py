@@ -18,7 +18,7 @@ from roundelay.base.errors import RoundelayWarning
 from roundelay.formats.gltf_document import Document, Part, load
 from roundelay.formats.gltf_keys import Clock, Track, common_clock, read_track
 from roundelay.formats.moving import leave
-from roundelay.formats.sane import LARGEST
+from roundelay.formats.sane import LARGEST, MOST_JOINTS, require_memory
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
@@ -27,8 +27,6 @@ __all__ = ["GltfReader"]
 
 Array = NDArray[np.float64]
 
-# More joints than any body has.
-_MOST_JOINTS = 4096
 # Poses of a joint for a byte of the file, and poses that any file may have.
 _PROPORTION, _FEW = 2, 1 << 22
 # Scales that differ by less, relatively, are one.
@@ -270,8 +268,8 @@ def _lowest_above_all(tree: _Tree, chosen: set[int], below: list[int], top: int)
 
 
 def _in_order(tree: _Tree, joints: list[int], root: Part) -> list[int]:
-    if len(joints) > _MOST_JOINTS:
-        raise root.error(f"at most {_MOST_JOINTS} joints", str(len(joints)))
+    if len(joints) > MOST_JOINTS:
+        raise root.error(f"at most {MOST_JOINTS} joints", str(len(joints)))
     by_number = sorted(joints)
     first = by_number[0] == joints[0]
     ordered = first and all(tree.parents[node] < node for node in by_number[1:])
@@ -320,6 +318,7 @@ def _check_proportion(document: Document, frames: int, joints: int) -> None:
             "keys on most of the joints",
             f"{frames} frames of {joints} joints in {document.loaded} bytes",
         )
+    require_memory(frames, joints)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from roundelay.base.errors import FormatError, NoPeriod, RoundelayError, RoundelayWarning, TooShort
+from roundelay.base.errors import (
+    FormatError,
+    NoPeriod,
+    RoundelayError,
+    RoundelayWarning,
+    TooLarge,
+    TooShort,
+)
 from roundelay.base.files import fitting
 from roundelay.base.version import __version__
 from roundelay.compare.spectra import Spectra
@@ -131,7 +138,7 @@ def made_entry(clip: Clip) -> Entry:
                 (clip.folder / name).unlink()
             if isinstance(error, OSError) and error.errno in _NO_ROOM:
                 raise
-            lasting = not isinstance(error, OSError | MemoryError)
+            lasting = not isinstance(error, OSError | MemoryError | TooLarge)
             return _refused(clip, error, stamp if lasting else None)
     notes = [str(note.message) for note in raised if note.category is RoundelayWarning]
     return Entry(record | {"notes": notes}, stamp, spectra)

@@ -23,6 +23,7 @@ __all__ = ["Compiled"]
 
 _INT, _DOUBLE, _FLOAT, _POINTER = ctypes.c_int64, ctypes.c_double, ctypes.c_float, ctypes.c_void_p
 
+_FOLDER = Path(__file__).parent
 _INTERFACE = 2
 """The number of the interface, as kernel.h has it."""
 _SIGNATURES = {
@@ -45,12 +46,11 @@ _SIGNATURES = {
 
 
 def _load() -> ctypes.CDLL:
-    folder = Path(__file__).parent
     found = sorted(
-        path for path in folder.glob("_kernel*") if path.suffix in {".so", ".dll", ".dylib"}
+        path for path in _FOLDER.glob("_kernel*") if path.suffix in {".so", ".dll", ".dylib"}
     )
     if not found:
-        raise FileNotFoundError(f"no binary in {folder}")
+        raise FileNotFoundError(f"no binary in {_FOLDER}")
     library = ctypes.CDLL(str(found[0]))
     number = _interface(library)
     if number != _INTERFACE:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from collections import Counter
 
 import numpy as np
 import pytest
-from tests.fuzz import __main__ as fuzz
-from tests.fuzz import holding
+from tests.fuzz import holding, running
 from tests.fuzz.grammar import FORMATS, made
 from tests.fuzz.holding import changed, outcome
 from tests.fuzz.keeping import captures, files_of, kept
@@ -70,9 +72,17 @@ def test_what_ends_badly_is_noticed(monkeypatch):
 
 
 def test_counts_of_a_run(monkeypatch):
-    monkeypatch.setattr(fuzz, "BATCH", 12)
-    counts = fuzz.batch(0)["counts"]
-    told = fuzz.told(counts, {}, 1.0)
+    monkeypatch.setattr(running, "BATCH", 12)
+    counts = running.batch(0)["counts"]
+    told = running.told(counts, {}, 1.0)
     assert told["fuzz_runs"] == 12
     assert told["other_exceptions"] == told["hangs"] == 0
     assert 0.2 <= told["accepted_share"] <= 1.0
+
+
+def test_the_command():
+    """Its processes find their work, which none does in a module called __main__."""
+    command = [sys.executable, "-m", "tests.fuzz", "--runs", "1", "--jobs", "1"]
+    run = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
+    told = json.loads(run.stdout)
+    assert (told["fuzz_runs"], told["failed"]) == (running.BATCH, {})

@@ -9,6 +9,7 @@ BLENDERS ?= 5.0.1 4.5.15
 CAPTURES := 01_01 01_03 Boxing_Toes
 
 .PHONY: demo test page-test players-test docs figures check setup clean blender-extension blender-test
+.PHONY: fuzz lowest-test mutation-test sanitize
 
 demo: $(VENV)/.installed
 	@mkdir -p out
@@ -34,6 +35,45 @@ build/players/node_modules/three:
 	@command -v npm >/dev/null || { echo "players-test needs npm: apt-get install npm"; exit 1; }
 	mkdir -p build/players
 	npm install --silent --no-audit --no-fund --prefix build/players three@0.187
+
+# Files by a grammar, and the kept corpus changed, into all readers: RUNS of them.
+RUNS ?= 20000
+fuzz: $(VENV)/.tested
+	$(BIN)/python -m tests.fuzz --runs $(RUNS)
+
+# The lowest versions that pyproject.toml allows; old Matplotlib warns of new pyparsing.
+lowest-test: build/lowest/.ready
+	build/lowest/bin/python -m pytest -n 2 -W ignore::DeprecationWarning
+
+build/lowest/.ready: pyproject.toml tests/lowest.py
+	$(PYTHON) -m venv build/lowest
+	$(PYTHON) tests/lowest.py > build/lowest/constraints.txt
+	build/lowest/bin/pip install --quiet --disable-pip-version-check -c build/lowest/constraints.txt '.[test]'
+	@touch $@
+
+# The kernel with AddressSanitizer and UndefinedBehaviorSanitizer, under its tests.
+KERNEL := src/roundelay/topology/kernel
+SANITIZERS := -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined
+sanitize: $(VENV)/.tested
+	@mkdir -p build/sanitized
+	$(CC) $(SANITIZERS) -std=c11 -fPIC -shared -ffp-contract=off -fvisibility=hidden \
+		-o build/sanitized/_kernel.so $(addprefix $(KERNEL)/,dispatch.c distances.c rips.c \
+		propagate.c harmonic.c table.c) -lm
+	ASAN_OPTIONS=detect_leaks=0 \
+		LD_PRELOAD="$$($(CC) -print-file-name=libasan.so) $$($(CC) -print-file-name=libubsan.so)" \
+		$(BIN)/python -m tests.sanitized build/sanitized
+
+# Changes of the code that no test notices; MUTATED names a module, TESTS what is to notice it.
+MUTATED ?= src/roundelay/base/files.py
+TESTS ?= tests/base tests/library
+mutation-test: $(VENV)/.tested build/mutation/.ready
+	build/mutation/bin/python -m tests.mutation $(MUTATED) $(TESTS)
+
+build/mutation/.ready: | $(VENV)/.tested
+	$(PYTHON) -m venv build/mutation
+	build/mutation/bin/pip install --quiet --disable-pip-version-check 'mutmut>=3.8' '.[test]'
+	build/mutation/bin/pip uninstall --quiet --yes roundelay
+	@touch $@
 
 docs: $(VENV)/.documented
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs out/docs

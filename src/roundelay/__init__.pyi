@@ -6,6 +6,7 @@ from roundelay import topology as topology
 from roundelay.base.errors import Cancelled as Cancelled
 from roundelay.base.errors import FormatError as FormatError
 from roundelay.base.errors import LiftError as LiftError
+from roundelay.base.errors import Locked as Locked
 from roundelay.base.errors import NoPeriod as NoPeriod
 from roundelay.base.errors import RoundelayError as RoundelayError
 from roundelay.base.errors import RoundelayWarning as RoundelayWarning

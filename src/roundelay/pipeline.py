@@ -30,6 +30,7 @@ from roundelay.cycles.events import begun
 from roundelay.cycles.models import cycle_models
 from roundelay.loops.options import LoopOptions
 from roundelay.loops.recipe import Loop, made_loop, numbered
+from roundelay.motion.budget import require_budget
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses
 from roundelay.phase.tempo import time_phase
@@ -86,6 +87,8 @@ def find_cycles(
         If no part of the capture is periodic; the error carries the evidence.
     TooShort
         If there are fewer than 8 frames.
+    TooLarge
+        If less memory is free than the search would take.
     SkeletonMismatch
         If a joint of the options does not exist.
     ValueError
@@ -95,6 +98,7 @@ def find_cycles(
     """
     options = chosen(Options, options)
     capture = expected(Motion, motion)
+    require_budget(capture, options.span(len(capture)))
     motion = capture.with_root_motion()
     search, found = find_evidence(capture, options, progress, timeline)
     cycles, refused = [], []
@@ -146,6 +150,8 @@ def make_loops(
         If no part of the capture is periodic; the error carries the evidence.
     TooShort
         If there are fewer than 8 frames.
+    TooLarge
+        If less memory is free than the search would take.
     SkeletonMismatch
         If a joint of the options does not exist, or the loops shall be mirrored and a joint of
         one side has no partner on the other.
@@ -205,7 +211,9 @@ def find_periodic(
     list of Evidence
         The one most often and most surely repeated first.
     """
-    return find_evidence(take, chosen(Options, options), progress)[1]
+    options = chosen(Options, options)
+    _require_budget(take, options)
+    return find_evidence(take, options, progress)[1]
 
 
 @one_thread
@@ -233,6 +241,8 @@ def understand(
     ------
     TooShort
         If there are fewer than 8 frames.
+    TooLarge
+        If less memory is free than the search would take.
     SkeletonMismatch
         If a joint of the options does not exist.
     ValueError
@@ -240,7 +250,15 @@ def understand(
     Cancelled
         If `progress` returned False.
     """
+    options = chosen(Options, options)
+    _require_budget(take, options)
     return timeline_of(take, options, progress)
+
+
+def _require_budget(take: Motion | Poses, options: Options) -> None:
+    """Check that there is memory for the search in a motion; poses are there already."""
+    if isinstance(take, Motion):
+        require_budget(take, options.span(len(take)))
 
 
 def _phase(search: Search, evidence: Evidence) -> NDArray[np.float64]:

@@ -324,6 +324,6 @@ def test_a_rate_that_no_camera_has_is_one_line(captures, tmp_path):
     result = run("loop", fast, "-o", tmp_path)
     assert result.exit_code == 2
     assert result.stderr == (
-        f"roundelay: {fast}: expected up to 10000 frames a second, found 20000; "
-        "give the true rate by --capture-fps\n"
+        f"roundelay: {fast}: expected from 0.0001 to 10000 frames a second, found 20000; "
+        "give the true rate (--capture-fps)\n"
     )

@@ -211,9 +211,9 @@ ASF_REFUSED = {
     "bone called root": ([("name ltibia", "name root")], 36, 11, "not used before"),
     "bone too long": (
         [("length 7.5", "length 1e99"), ("direction 0 -1 0", "direction 0 -1e99 0")],
-        25,
-        11,
-        "a bone shorter than 1e+100",
+        26,
+        18,
+        "expected a number, found '-1e99', more than 1e+12",
     ),
     "no begin": ([("  begin\n     id 1", "     id 1")], 16, 6, "expected begin, found 'id'"),
     "no end": ([("  end\n:hierarchy", ":hierarchy")], 47, 6, "expected end of the bone"),

@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roundelay.formats import decimals
+from roundelay.formats.sane import LARGEST
 
 FORMATS = ["{!r}", "{:.4f}", "{:.6f}", "{:g}", "{:.0f}.", "{:e}", "{:+.3f}", "{:.15g}", "{:09.2f}"]
 
@@ -11,7 +12,9 @@ FORMATS = ["{!r}", "{:.4f}", "{:.6f}", "{:g}", "{:.0f}.", "{:e}", "{:+.3f}", "{:
 @settings(max_examples=200, deadline=None)
 @given(
     st.lists(
-        st.tuples(st.floats(-1e20, 1e20), st.sampled_from(FORMATS), st.sampled_from(" \n\t\r\f")),
+        st.tuples(
+            st.floats(-LARGEST, LARGEST), st.sampled_from(FORMATS), st.sampled_from(" \n\t\r\f")
+        ),
     )
 )
 def test_every_number_is_the_nearest_double(values):

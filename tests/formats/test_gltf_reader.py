@@ -432,7 +432,8 @@ def test_what_is_wrong_is_said(tmp_path, where, value, message):
     ("times", "values", "message"),
     [
         ([0, 0], [[0, 1, 0]] * 2, "expected times that rise"),
-        ([0, 1e9], [[0, 1, 0]] * 2, None),
+        ([0, 1e9], [[0, 1, 0]] * 2, "to 10000 frames a second, found 1e-09"),
+        ([0, 9e3], [[0, 1, 0]] * 2, None),
         ([0, 1, 1e9 / 3, 2e9], [[0, 1, 0]] * 4, "expected fewer than 4194304 frames"),
         ([0, np.nan], [[0, 1, 0]] * 2, "expected finite numbers"),
         ([0, 1], [[0, 1, np.inf]] * 2, "expected finite numbers"),

@@ -111,5 +111,5 @@ def test_half_a_library_is_refused(made, tmp_path):
     (tmp_path / "signatures.npz").write_bytes((made[0].folder / "signatures.npz").read_bytes())
     assert rl.Library.open(tmp_path).summary == made[0].summary
     (tmp_path / "library.json").write_text(text.replace('"written": "', '"written": "1'))
-    with pytest.raises(rl.FormatError, match="signatures of the library beside them"):
+    with pytest.raises(rl.FormatError, match=r"a damaged library\.json; run roundelay"):
         rl.Library.open(tmp_path)

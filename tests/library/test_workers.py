@@ -5,12 +5,14 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
 import pytest
 
-from roundelay.library.workers import spread
+from roundelay.library.workers import Limits, spread
 
 
 def doubled(number: int) -> int:
@@ -78,3 +80,77 @@ def test_closing_ends_the_processes():
     assert next(found) == 0
     found.close()
     assert multiprocessing.active_children() == []
+
+
+def test_a_task_that_takes_too_long_costs_itself_only():
+    limits = Limits(seconds=2.0)
+    found = spread(slow, [1, 0, 0], 1, lost=lambda task: "lost", limits=limits, late=str)
+    assert list(found) == ["1", 0, 0]
+    assert multiprocessing.active_children() == []
+
+
+def hungry(number: int) -> str:
+    try:
+        bytearray(number)
+    except MemoryError:
+        return "out of memory"
+    return "done"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows sets no such limit")
+def test_a_task_has_no_more_memory_than_it_is_given():
+    limits = Limits(memory=3 * 10**9)
+    sizes = [10, 4 * 10**9, 10]
+    found = spread(hungry, sizes, 1, lost=lambda task: "lost", limits=limits)
+    assert list(found) == ["done", "out of memory", "done"]
+
+
+@pytest.mark.parametrize("wrong", [{"seconds": 0.0}, {"memory": -1}, {"seconds": float("nan")}])
+def test_limits_are_more_than_nothing(wrong):
+    with pytest.raises(ValueError, match="of more than 0, found"):
+        Limits(**wrong)
+
+
+ORPHANS = """
+import os, sys, time
+from roundelay.library.workers import spread
+from tests.library.test_workers import told
+
+if __name__ == "__main__":
+    results = spread(told, [(sys.argv[1], n) for n in (1, 2)], 2, lost=str)
+    next(results)
+"""
+
+
+def told(task: tuple[str, int]) -> None:
+    folder, number = task
+    with open(f"{folder}/{number}.pid", "w") as file:
+        file.write(f"{os.getpid()}\n")
+    time.sleep(600.0)
+
+
+def is_running(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="the system does not tell")
+def test_processes_end_when_the_first_is_killed(tmp_path):
+    script = tmp_path / "orphans.py"
+    script.write_text(ORPHANS)
+    environment = os.environ | {"PYTHONPATH": os.getcwd()}
+    first = subprocess.Popen([sys.executable, script, tmp_path], env=environment)
+    until = time.monotonic() + 60.0
+    files = [tmp_path / "1.pid", tmp_path / "2.pid"]
+    while time.monotonic() < until and not all(f.exists() and f.read_text() for f in files):
+        time.sleep(0.02)
+    children = [int(file.read_text()) for file in files]
+    assert all(map(is_running, children))
+    first.kill()
+    first.wait()
+    while time.monotonic() < until and any(map(is_running, children)):
+        time.sleep(0.02)
+    assert not any(map(is_running, children))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
 
-from roundelay.topology import pairwise_distances
+from roundelay.topology import pairwise_distances, persistent_cohomology
 from roundelay.topology.distances import cross_distances
 
 
@@ -35,3 +35,46 @@ def test_duplicates_are_at_distance_0() -> None:
 def test_cross_distances_need_the_same_dimension() -> None:
     with pytest.raises(ValueError, match=r"\(m, 3\)"):
         cross_distances(np.zeros((4, 2)), np.zeros((4, 3)))
+
+
+def test_the_sign_of_zero_is_nothing():
+    angle = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    points = np.column_stack([np.cos(angle), np.sin(angle)])
+    points = np.concatenate([points, points[:5]])
+    signed = np.where(points == 0.0, -0.0, points)
+    full = np.linalg.norm(points[:, None] - points, axis=-1)
+    negative = np.where(full < 1e-9, -0.0, full)
+    condensed = negative[np.triu_indices(len(full), 1)]
+    barcodes = [
+        persistent_cohomology(points),
+        persistent_cohomology(signed),
+        persistent_cohomology(negative, metric="precomputed"),
+        persistent_cohomology(condensed, metric="precomputed"),
+        persistent_cohomology(np.where(full < 1e-9, 0.0, full), metric="precomputed"),
+    ]
+    assert [len(barcode) for barcode in barcodes] == [1] * 5
+    assert len(barcodes[2].up_to(-0.0)) == 0
+    assert len(barcodes[2].cocycle(scale=-0.0)[0]) == len(barcodes[2].cocycle(scale=0.0)[0])
+
+
+CLOUD = np.random.default_rng(0).normal(size=(12, 2))
+
+
+@pytest.mark.parametrize("unit", [2.0**-120, 2.0**-60, 2.0**60, 2.0**123])
+def test_a_unit_near_the_ends_of_single_precision_changes_nothing(unit):
+    expected = persistent_cohomology(CLOUD)
+    found = persistent_cohomology(CLOUD * unit)
+    np.testing.assert_array_equal(found.components, expected.components * unit)
+
+
+@pytest.mark.parametrize("unit", [1e-310, 1e-60, 1e60, 1e307])
+def test_a_unit_beyond_single_precision_is_named(unit):
+    with pytest.raises(ValueError, match=r"^expected points in a unit .* found one of "):
+        persistent_cohomology(CLOUD * unit)
+    with pytest.raises(ValueError, match=r"^expected distances .* found (larger|smaller) ones"):
+        persistent_cohomology(cdist(CLOUD, CLOUD) * unit, metric="precomputed")
+
+
+def test_what_only_its_distances_leave_single_precision():
+    with pytest.raises(ValueError, match=r"^expected distances up to 3.4e\+38, found larger ones"):
+        pairwise_distances(3e38 * np.array([[-1, -1], [1, 1], [1, -1], [-1, 1]]))

@@ -16,7 +16,6 @@ from roundelay.topology import (
     Barcode,
     choose_landmarks,
     circular_coordinate,
-    memory,
     p_values,
     persistent_cohomology,
     two_bar_ratio,
@@ -192,7 +191,7 @@ def test_few_points_are_told_in_every_form() -> None:
 
 
 def test_memory_is_checked_before_a_form_is_unfolded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory, "available_memory", lambda: 1_000_000)
+    monkeypatch.setattr("roundelay.base.memory.available_memory", lambda: 1_000_000)
     for given in (sparse.csr_matrix((20_000, 20_000)), np.ones(2_000 * 1_999 // 2)):
         with pytest.raises(TooLarge, match="are free"):
             bars_of(given)

@@ -12,7 +12,7 @@ import pytest
 from clouds import PRIMES, noisy_circle, random_clouds
 from roundelay.topology import kernel, persistent_cohomology
 from roundelay.topology.coordinate import circular_coordinate
-from roundelay.topology.kernel.compiled import Compiled
+from roundelay.topology.kernel.compiled import Compiled, _interface
 from roundelay.topology.kernel.reduction import Reduction, count_up_to, ends
 from roundelay.topology.kernel.twin import Twin
 from roundelay.topology.rips import enclosing_radius
@@ -148,3 +148,35 @@ def test_count_up_to_includes_ties() -> None:
     bits = np.ones(10, np.float32).view(np.uint32).astype(np.uint64)
     keys = bits << np.uint64(32) | np.arange(10, dtype=np.uint64)
     assert (count_up_to(keys, 1.0), count_up_to(keys, 0.999)) == (10, 0)
+
+
+def test_a_binary_of_another_version_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("roundelay.topology.kernel.compiled._INTERFACE", 9)
+    with pytest.raises(OSError, match=r"a kernel with interface 9, found 2 in .*again"):
+        Compiled()
+    kernel.engine.cache_clear()
+    try:
+        with pytest.warns(RuntimeWarning, match="interface 9, found 2"):
+            assert isinstance(kernel.engine(), Twin)
+    finally:
+        kernel.engine.cache_clear()
+
+
+def test_a_binary_from_before_it_told_its_version_is_not_used() -> None:
+    class Old:
+        def __getattr__(self, name: str) -> NoReturn:
+            raise AttributeError(name)
+
+    assert _interface(Old()) == 1  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("value", [32768, -32768, 2**31 + 5])
+def test_integers_out_of_range_are_refused(compiled: Compiled, value: int) -> None:
+    lengths = compiled.distances(noisy_circle(30, noise=0.02).astype(np.float32))
+    run = compiled.reduce(lengths, limit=enclosing_radius(lengths), prime=47, longest=0)
+    on_births = np.full(len(run.births), value)
+    for one in (compiled, Twin()):
+        with pytest.raises(OverflowError, match="the range of 15 bits"):
+            one.propagate(run, len(run.keys), on_births, 0)
+        largest = on_births % 46337
+        assert one.propagate(run, len(run.keys), largest, 46337).max() <= 46336

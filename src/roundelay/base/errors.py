@@ -9,6 +9,7 @@
     ├── NoPeriod           no periodic motion found (carries the evidence)
     ├── LiftError          a cocycle mod p that is no integer cocycle
     ├── TooLarge           a problem that would not fit in memory
+    ├── Locked             a folder that another run is at work on
     └── Cancelled          the caller's progress callback said stop
 
 ``RoundelayWarning`` is the category of warnings: the input is used, but not all as it is.
@@ -27,6 +28,7 @@ __all__ = [
     "Cancelled",
     "FormatError",
     "LiftError",
+    "Locked",
     "NoPeriod",
     "RateAssumed",
     "RoundelayError",
@@ -103,6 +105,10 @@ class LiftError(RoundelayError):
 
 class TooLarge(RoundelayError):
     """Report a problem whose estimated memory exceeds what is there or allowed."""
+
+
+class Locked(RoundelayError):
+    """Report a folder that another process is at work on, and which process that is."""
 
 
 class Cancelled(RoundelayError):

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from roundelay.base.files import name_of
+from roundelay.base.files import fitting, name_of
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     Captures,
     Output,
+    echo,
     in_format_of,
     one_line_errors,
     place_of,
@@ -66,7 +68,7 @@ def blend(
         loop = rendered(mixed, sources, written)
         path = place.file or place.path("blend", f".{written.file_format}")
         loop.write(path)
-        typer.echo(f"{path}: {len(loop.motion)} frames, period {mixed.period:.2f} s")
+        echo(f"{shown(path)}: {len(loop.motion)} frames, period {mixed.period:.2f} s")
         print_limbs(loop.playback)
 
 
@@ -97,12 +99,13 @@ def transition(
 
         place = place_of(output, name_of(first), suffixes_of(writers))
         written = in_format_of(place, written, given)
-        path = place.file or place.path(f"to_{name_of(second)}", f".{written.file_format}")
+        kind = f"to_{fitting(name_of(second), '', 80)}"
+        path = place.file or place.path(kind, f".{written.file_format}")
         (start, end), sources = _best_cycles([first, second], joining.mirror, reading)
         motion = make_transition(start, end, **asdict(joining), fps=written.fps)
         motion, parted = rendered_motion(motion, sources, written)
         write(motion, path)
-        typer.echo(f"{path}: {len(motion)} frames at {motion.fps:.4g} fps")
+        echo(f"{shown(path)}: {len(motion)} frames at {motion.fps:.4g} fps")
         print_limbs(limb_record(motion, parted))
 
 

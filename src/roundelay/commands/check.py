@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from roundelay.base.files import STANDARD_INPUT, name_of, unpacked
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     BAD_INPUT,
     FAULTY,
@@ -220,14 +221,14 @@ def _print(one: _Checked, mend: bool) -> None:
     motion, count = one.loop.seen.motion, len(one.faults)
     said = "clean" if not count else f"{count} fault{'s' if count > 1 else ''}"
     said = said if one.loop.recognised else f"not recognised as a loop, {said}"
-    typer.echo(f"{one.path}: {len(motion)} frames at {motion.fps:.4g} fps, {said}")
+    typer.echo(f"{shown(one.path)}: {len(motion)} frames at {motion.fps:.4g} fps, {said}")
     for fault in one.faults:
         typer.echo(
             f"  {fault.name}: {fault.says} ({fault.value:.3g} {fault.unit}, "
             f"limit {fault.limit:.3g})"
         )
     if one.mended is not None:
-        typer.echo(f"    -> {one.mended}")
+        typer.echo(f"    -> {shown(one.mended)}")
     elif mend and not one.loop.recognised:
         typer.echo("    no loop, left as it is")
 
@@ -236,7 +237,8 @@ def _print_refused(checked: Sequence[_Checked], others: Sequence[Path]) -> None:
     """Tell which files were not read or not written, a line each, on standard error."""
     for one in checked:
         if one.error is not None:
-            typer.echo(f"roundelay: {one.error}", err=True)
+            typer.echo(f"roundelay: {shown(one.error)}", err=True)
     for path in others:
         kind = path.suffix[1:].upper()
-        typer.echo(f"roundelay: note: {path}: not read, there is no reader of {kind}", err=True)
+        told = f"roundelay: note: {shown(path)}: not read, there is no reader of {kind}"
+        typer.echo(told, err=True)

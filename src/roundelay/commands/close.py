@@ -9,6 +9,7 @@ from typing import Any
 import typer
 
 from roundelay.base.files import name_of
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     Capture,
     Json,
@@ -86,7 +87,8 @@ def _summary(record: dict[str, Any], path: Path) -> str:
     (first, last), (start, stop) = record["asked"], record["frames"]
     how = "there and back" if record["ping_pong"] else "its ends joined"
     return (
-        f"{record['capture']['file']}: closed by hand, {how}: frames {start}-{stop} of "
+        f"{shown(record['capture']['file'])}: closed by hand, {how}: frames {start}-{stop} of "
         f"{first}-{last} asked for, {record['period_seconds']:.2f} s, joints turned by up to "
-        f"{record['largest_degrees']:.0f} degrees\n  -> {path}: {record['loop_frames']} frames"
+        f"{record['largest_degrees']:.0f} degrees\n"
+        f"  -> {shown(path)}: {record['loop_frames']} frames"
     )

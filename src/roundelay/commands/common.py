@@ -15,6 +15,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from roundelay.base.files import fitting
+from roundelay.base.texts import printable, shown
+
 if TYPE_CHECKING:
     from roundelay.base.progress import Progress
     from roundelay.formats.options import ReadOptions
@@ -36,6 +39,7 @@ __all__ = [
     "Place",
     "Skeleton",
     "Timetable",
+    "echo",
     "exit_code",
     "fail",
     "in_format_of",
@@ -53,6 +57,8 @@ __all__ = [
 ]
 
 FAULTY, BAD_INPUT, NO_PERIOD, INTERRUPTED = 1, 2, 3, 130
+# Bytes of a name that others begin with: with what follows, each fits.
+_LONGEST = 100
 _LIKE_A_SUFFIX = re.compile(r"\.[a-z]{2,5}")
 
 Capture = Annotated[
@@ -100,9 +106,14 @@ Json = Annotated[bool, typer.Option("--json", help="Print the results as JSON.")
 Picture = Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the PNG.")]
 
 
+def echo(text: str, *, err: bool = False) -> None:
+    """Print lines of text; what would command a terminal is shown instead."""
+    typer.echo(printable(text), err=err)
+
+
 def fail(message: str, code: int = BAD_INPUT) -> NoReturn:
     """End the program with one line on standard error."""
-    typer.echo(f"roundelay: {message}", err=True)
+    echo(f"roundelay: {message}", err=True)
     raise typer.Exit(code)
 
 
@@ -156,27 +167,14 @@ def exit_code(work: Callable[[], None]) -> int:
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    typer.echo(f"roundelay: note: {message}", err=True)
+    echo(f"roundelay: note: {message}", err=True)
 
 
 def read_capture(path: Path, skeleton: Path | None, reading: ReadOptions) -> Motion:
-    """Read a capture with the skeleton it needs.
-
-    Raises
-    ------
-    FormatError
-        If it tells a frame rate that no camera has.
-    """
-    from roundelay.base.errors import FormatError
+    """Read a capture with the skeleton it needs."""
     from roundelay.formats import read
-    from roundelay.motion.motion import FASTEST
 
-    fps, suffix = reading.capture_fps, reading.suffix
-    motion = read(path, skeleton=skeleton, fps=fps, suffix=suffix)
-    if motion.fps > FASTEST:
-        told = f"expected up to {FASTEST:g} frames a second, found {motion.fps:g}"
-        raise FormatError(f"{told}; give the true rate by --capture-fps", path=path)
-    return motion
+    return read(path, skeleton=skeleton, fps=reading.capture_fps, suffix=reading.suffix)
 
 
 @dataclass(frozen=True)
@@ -187,7 +185,7 @@ class Place:
     ----------
     folder : Path
     name : str
-        Of the capture: files in a folder begin with it.
+        Of the capture, cut if it is long: files in a folder begin with it.
     file : Path or None
         The file that was asked for by its name.
     """
@@ -223,7 +221,7 @@ def place_of(output: str, name: str, suffixes: Iterable[str]) -> Place:
     OSError
         If the folder cannot be made.
     """
-    path, known = Path(output), tuple(suffixes)
+    path, known, name = Path(output), tuple(suffixes), fitting(name, "", _LONGEST)
     suffix = path.suffix.lower()
     if output.endswith("/") or path.is_dir():
         return Place(output_directory(path), name)
@@ -305,8 +303,8 @@ def progress_bar(quiet: bool) -> Iterator[Progress | None]:
 
 def print_capture(capture: dict[str, Any]) -> None:
     """Say what was read, from the record of a capture."""
-    typer.echo(
-        f"{capture['file']}: {capture['frames']} frames at {capture['fps']:.4g} fps, "
+    echo(
+        f"{shown(capture['file'])}: {capture['frames']} frames at {capture['fps']:.4g} fps, "
         f"{capture['seconds']:.1f} s, {capture['joints']} joints"
     )
 

@@ -7,9 +7,11 @@ from typing import Annotated
 import typer
 
 from roundelay.base.files import name_of
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     Capture,
     Skeleton,
+    echo,
     in_format_of,
     one_line_errors,
     place_of,
@@ -56,7 +58,7 @@ def convert(
         name = name_of(capture)
         place = place_of(target, name, suffixes_of(writers))
         written = in_format_of(place, written, given)
-        path = place.file or place.folder / f"{name}.{written.file_format}"
+        path = place.file or place.folder / f"{place.name}.{written.file_format}"
         motion = read_capture(capture, skeleton, reading)
         wanted = search.span(len(motion))
         if wanted is not None:
@@ -65,4 +67,4 @@ def convert(
         if written.fps is not None:
             motion = motion.resample(written.fps)
         write(motion, path)
-        typer.echo(f"{path}: {len(motion)} frames at {motion.fps:.4g} fps")
+        echo(f"{shown(path)}: {len(motion)} frames at {motion.fps:.4g} fps")

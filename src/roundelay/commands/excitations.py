@@ -5,8 +5,6 @@ from __future__ import annotations
 from math import pi
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from roundelay.base.files import name_of
 from roundelay.commands.common import (
     Capture,
@@ -14,6 +12,7 @@ from roundelay.commands.common import (
     Output,
     Picture,
     Skeleton,
+    echo,
     one_line_errors,
     place_of,
     print_capture,
@@ -142,17 +141,17 @@ def _print_table(record: dict[str, Any]) -> None:
     print_capture(record["capture"])
     first, last = record["frames"]
     outstanding = " stand out" if record["options"]["classes"] is None else ""
-    typer.echo(
+    echo(
         f"  {len(record['classes'])} of {record['bars']} classes{outstanding} "
         f"in frames {first}-{last}"
     )
-    typer.echo("  class   birth   death        p  regions (turns)")
+    echo("  class   birth   death        p  regions (turns)")
     for one in record["classes"]:
         regions = ", ".join(
             f"{region['frames'][0]}-{region['frames'][1]} ({region['net_turns']:z.1f})"
             for region in one["regions"]
         )
-        typer.echo(
+        echo(
             f"{one['class']:7d}{one['birth']:8.3f}{one['death']:8.3f}{one['p_value']:9.1e}"
             f"  {regions or '-'}"
         )

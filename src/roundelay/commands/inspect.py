@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from roundelay.base.files import name_of
 from roundelay.commands.common import (
     Capture,
@@ -14,6 +12,7 @@ from roundelay.commands.common import (
     Output,
     Picture,
     Skeleton,
+    echo,
     one_line_errors,
     place_of,
     print_capture,
@@ -109,20 +108,18 @@ def _record(
 
 def _print_table(number: int, item: Inspection, fps: float) -> None:
     parts = ", ".join(f"{start}-{stop}" for start, stop in item.evidence.runs)
-    typer.echo(
-        f"  motion {number}: frames {parts}" + (f" ({item.objection})" if item.objection else "")
-    )
+    echo(f"  motion {number}: frames {parts}" + (f" ({item.objection})" if item.objection else ""))
     if item.evidence.aligned:
-        typer.echo("  no class turns with the repetitions: their alignment is the phase")
+        echo("  no class turns with the repetitions: their alignment is the phase")
     heading = ("class", "birth", "death", "p", "turns", "forward", "period s", "scale")
-    typer.echo("  " + "".join(f"{title:>10}" for title in heading))
+    echo("  " + "".join(f"{title:>10}" for title in heading))
     for one in item.classes:
         cells = [f"{one.index}", f"{one.birth:.4f}", f"{one.death:.4f}", f"{one.p_value:.1e}"]
         cells += [] if one.evidence is None else _motion_cells(one.evidence, fps)
         own, aligned = item.evidence.coordinate.class_index, item.evidence.aligned
         used = one.index == own and not aligned
         remark = "  <- loop" if used else f"  {one.fault}"
-        typer.echo("  " + "".join(f"{cell:>10}" for cell in cells) + remark.rstrip())
+        echo("  " + "".join(f"{cell:>10}" for cell in cells) + remark.rstrip())
 
 
 def _motion_cells(evidence: Evidence, fps: float) -> list[str]:

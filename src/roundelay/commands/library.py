@@ -17,6 +17,7 @@ from roundelay.commands.common import (
     NO_PERIOD,
     Directory,
     Json,
+    echo,
     fail,
     one_line_errors,
     print_json,
@@ -27,6 +28,7 @@ from roundelay.loops.options import LoopOptions
 if TYPE_CHECKING:
     from roundelay.base.progress import Progress
     from roundelay.library import Library
+    from roundelay.library.workers import Limits
 
 Sources = Annotated[
     list[Path],
@@ -40,6 +42,19 @@ Jobs = Annotated[
     int | None,
     typer.Option(help="Processes; one a CPU by default.", min=1, show_default=False),
 ]
+Seconds = Annotated[
+    float,
+    typer.Option("--clip-seconds", help="Most seconds that a clip is given.", min=1.0),
+]
+Memory = Annotated[
+    int | None,
+    typer.Option(
+        "--clip-memory",
+        help="Most megabytes of addresses that a clip is given; not on Windows.",
+        min=1,
+        show_default=False,
+    ),
+]
 Again = Annotated[bool, typer.Option("--again", help="Do again what an earlier run did.")]
 
 
@@ -48,6 +63,8 @@ def library(
     sources: Sources,
     output: Directory,
     jobs: Jobs = None,
+    clip_seconds: Seconds = 3600.0,
+    clip_memory: Memory = None,
     again: Again = False,
     json: Json = False,
     *,
@@ -57,7 +74,8 @@ def library(
 
     Writes library.json (one record a clip), cycles.csv, the loops below loops/, and what search
     needs. A file that cannot be used costs one line and is told of in the record. Interrupted,
-    the command keeps what is done; run again, it does only what is new or changed.
+    the command keeps what is done; run again, it does only what is new or changed. With one job
+    all is done in one process, unless a limit is given.
 
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found; 130:
     interrupted.
@@ -73,9 +91,10 @@ def library(
                     output,
                     written,
                     jobs=jobs,
+                    limits=_limits(clip_seconds, clip_memory),
                     again=again,
                     progress=progress,
-                    refused=lambda line: typer.echo(f"roundelay: {line}", err=True),
+                    refused=lambda line: echo(f"roundelay: {line}", err=True),
                 )
         except KeyboardInterrupt:
             fail("interrupted; run it again to go on", INTERRUPTED)
@@ -84,6 +103,14 @@ def library(
         else:
             _print_summary(made, output, time.monotonic() - started)
     raise typer.Exit(_code(made))
+
+
+def _limits(seconds: float, megabytes: int | None) -> Limits | None:
+    """Return the limits of a clip; none if they are those that hold where there are processes."""
+    from roundelay.library.workers import Limits
+
+    limits = Limits(seconds, None if megabytes is None else megabytes * 1_000_000)
+    return None if limits == Limits() else limits
 
 
 @contextmanager
@@ -104,18 +131,18 @@ def _bar(quiet: bool) -> Iterator[Progress | None]:
 
 def _print_summary(made: Library, folder: Path, seconds: float) -> None:
     counts = made.summary
-    typer.echo(
+    echo(
         f"{folder}: clips: {counts['clips']}, loops: {counts['loops']}, "
         f"groups: {counts['groups']}, refused: {counts['refused']}; {seconds:.1f} s"
     )
     largest = sorted(made.record["groups"], key=lambda group: -group["cycles"])[:10]
     for group in largest:
-        typer.echo(
+        echo(
             f"  group {group['group']:3d}: cycles: {group['cycles']}, clips: {group['clips']}, "
             f"period {group['period_seconds']:.2f} s; for example {group['example']}"
         )
     if len(made.record["groups"]) > len(largest):
-        typer.echo(f"  and {len(made.record['groups']) - len(largest)} more")
+        echo(f"  and {len(made.record['groups']) - len(largest)} more")
 
 
 def _code(made: Library) -> int:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-import typer
+from roundelay.commands.common import echo
 
 
 def print_limbs(record: dict[str, Any]) -> None:
     """Say which bones were moved apart and which may still touch, a line a pair."""
     for one in record.get("mended", ()):  # not every profile tells of limbs
         frames = ", ".join(f"{start}-{stop}" for start, stop in one["frames"])
-        typer.echo(
+        echo(
             f"    {' and '.join(one['bones'])} moved apart in frames {frames}, "
             f"by turns of up to {one['largest_degrees']:.1f} deg"
         )
@@ -20,4 +20,4 @@ def print_limbs(record: dict[str, Any]) -> None:
         start, stop = one["frames"]
         pairs.setdefault(" and ".join(one["bones"]), []).append(f"{start}-{stop}")
     for bones, spans in pairs.items():
-        typer.echo(f"    {bones} may touch in frames {', '.join(spans)}")
+        echo(f"    {bones} may touch in frames {', '.join(spans)}")

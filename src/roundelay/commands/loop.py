@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from roundelay.base.files import name_of
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     BAD_INPUT,
     NO_PERIOD,
@@ -241,7 +242,7 @@ def _print_summary(record: dict[str, Any], folder: Path) -> None:
             f"    period {cycle['period_seconds']:.2f} s ({cycle['period_frames']:.1f} frames), "
             f"{cycle['repetitions']:.2f} repetitions in frames {parts}; "
             f"{_certainty(cycle)}; {_told_speed(verdict)}\n"
-            f"    -> {folder / cycle['files'][0]}: {cycle['loop_frames']} frames"
+            f"    -> {shown(folder / cycle['files'][0])}: {cycle['loop_frames']} frames"
         )
         print_limbs(cycle["playback"])
 

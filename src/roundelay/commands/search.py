@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     Capture,
     Json,
     Skeleton,
+    echo,
     one_line_errors,
     print_json,
     read_capture,
@@ -62,18 +64,18 @@ def search(
             found = [{"distance": m.distance, "file": m.file} | m.cycle for m in matches]
             print_json({"query": capture.name, "left_out": left_out, "matches": found})
         else:
-            typer.echo(f"{capture.name}: period {cycle.period:.2f} s")
+            echo(f"{shown(capture.name)}: period {cycle.period:.2f} s")
             _print_matches(matches)
             if left_out:
-                typer.echo(f"left out, having other joints: {left_out}")
+                echo(f"left out, having other joints: {left_out}")
 
 
 def _print_matches(matches: list[Match]) -> None:
-    typer.echo("distance  group  period  file: frames")
+    echo("distance  group  period  file: frames")
     for match in matches:
         cycle = match.cycle
         frames = ", ".join(f"{start}-{stop}" for start, stop in cycle["parts"])
-        typer.echo(
+        echo(
             f"{match.distance:8.3f}{cycle['group']:7d}{cycle['period_seconds']:6.2f} s  "
-            f"{match.file}: {frames}"
+            f"{shown(match.file)}: {frames}"
         )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from roundelay.base.files import name_of
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     Capture,
     Json,
@@ -16,6 +17,7 @@ from roundelay.commands.common import (
     Place,
     Skeleton,
     Timetable,
+    echo,
     one_line_errors,
     place_of,
     print_json,
@@ -127,16 +129,16 @@ def _write(
 def _print_table(found: Segmentation, capture: Path) -> None:
     behaviours = len({segment.label for segment in found.segments})
     seconds = found.n_frames * found.frame_time
-    typer.echo(
-        f"{capture.name}: {found.n_frames} frames, {seconds:.1f} s; "
+    echo(
+        f"{shown(capture.name)}: {found.n_frames} frames, {seconds:.1f} s; "
         f"{_counted(len(found), 'segment')}, {_counted(behaviours, 'behaviour')}"
     )
-    typer.echo("    start      end  seconds  name  kind     score  period      frames")
+    echo("    start      end  seconds  name  kind     score  period      frames")
     for row in found.bouts():
         score = "-" if row["score"] is None else f"{row['score']:.2f}"
         period = "-" if row["period"] is None else f"{row['period']:.2f} s"
-        typer.echo(
-            f"{row['start']:9.2f}{row['end']:9.2f}{row['seconds']:9.2f}  {row['name']:4s}  "
+        echo(
+            f"{row['start']:9.2f}{row['end']:9.2f}{row['seconds']:9.2f}  {shown(row['name']):4s}  "
             f"{row['kind']:7s}"
             f"{score:>7}{period:>8}  {row['start_frame']:6d}-{row['end_frame']}"
         )

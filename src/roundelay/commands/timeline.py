@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from roundelay.base.files import name_of
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     Capture,
     Json,
     Output,
     Skeleton,
+    echo,
     one_line_errors,
     place_of,
     print_json,
@@ -72,16 +72,16 @@ def timeline(
 
 def _print_table(told: Timeline, capture: Path, uncertain: bool) -> None:
     seconds = told.n_frames / told.fps
-    typer.echo(f"{capture.name}: {told.n_frames} frames, {seconds:.1f} s; {', '.join(told.limbs)}")
-    shown = [*told.behaviours, *(told.uncertain if uncertain else ())]
-    if not shown:
-        typer.echo(f"  nothing repeats: {told.reason}")
+    echo(f"{shown(capture.name)}: {told.n_frames} frames, {seconds:.1f} s; {', '.join(told.limbs)}")
+    listed = [*told.behaviours, *(told.uncertain if uncertain else ())]
+    if not listed:
+        echo(f"  nothing repeats: {told.reason}")
         return
-    typer.echo("  kind     period  times   sure  limbs; frames")
-    for each in shown:
-        typer.echo(_row(each))
+    echo("  kind     period  times   sure  limbs; frames")
+    for each in listed:
+        echo(_row(each))
         if each.phrase is not None:
-            typer.echo(_row(each.phrase).replace("cyclic", "phrase"))
+            echo(_row(each.phrase).replace("cyclic", "phrase"))
 
 
 def _row(each: Behaviour) -> str:

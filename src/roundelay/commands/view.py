@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from roundelay.base.files import name_of
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     Capture,
     Output,
     Skeleton,
+    echo,
     one_line_errors,
     place_of,
     progress_bar,
@@ -56,10 +58,10 @@ def view(
         with progress_bar(quiet=False) as progress:
             motion = read_capture(capture, skeleton, reading)
             text, note = _page(motion, search, written, progress)
-        path = place.file or place.folder / f"{name}.html"
+        path = place.file or place.folder / f"{place.name}.html"
         with written_beside(path) as part:
             part.write_text(text, encoding="utf-8")
-        typer.echo(f"{path}: {note}; {len(text) / 1e3:.0f} kB")
+        echo(f"{shown(path)}: {note}; {len(text) / 1e3:.0f} kB")
         if open_page:
             typer.launch(path.resolve().as_uri())
 

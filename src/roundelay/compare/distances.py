@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import as_numbers, as_sequence, expected
 from roundelay.base.numeric import SMALLEST
 from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
@@ -52,6 +53,8 @@ def bottleneck_distance(first: Barcode, second: Barcode) -> float:
 
     Raises
     ------
+    TypeError
+        If one is no barcode.
     ValueError
         If a bar does not end.
     """
@@ -96,6 +99,7 @@ def wasserstein_distance(first: Barcode, second: Barcode, *, order: float = 1.0)
 
 
 def _bars(barcode: Barcode) -> Array:
+    barcode = expected(Barcode, barcode)
     bars = np.column_stack([barcode.births, barcode.deaths])
     if not np.all(np.isfinite(bars)):
         raise ValueError("expected bars that end, found one alive at the largest scale")
@@ -129,12 +133,15 @@ def cycle_distance(first: Cycle, second: Cycle, *, mirror: bool = True) -> float
     SkeletonMismatch
         If their joints differ.
     """
-    return align(first, second, mirror=mirror).distance
+    return align(expected(Cycle, first), expected(Cycle, second), mirror=mirror).distance
 
 
 @one_thread
 def distance_matrix(items: Sequence[Item], distance: Callable[[Item, Item], float]) -> Array:
     """Return the distances (n, n) between all items by one of the distances here."""
+    items = as_sequence(items, "items")
+    if not callable(distance):
+        raise TypeError(f"expected a distance to call, found {type(distance).__name__}")
     result = np.zeros((len(items), len(items)))
     for i, item in enumerate(items):
         for j in range(i):
@@ -168,7 +175,7 @@ def cluster(
     ValueError
         If the distances are not square, or the count is not from 1 to n.
     """
-    d = np.asarray(distances)
+    d = as_numbers(distances, "distances (n, n)")
     if d.ndim != 2 or d.shape[0] != d.shape[1]:
         raise ValueError(f"expected distances (n, n), found an array of shape {d.shape}")
     n, mergers = len(d), _linkage(d)

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from roundelay.base.checks import expected
-from roundelay.base.errors import RateAssumed, TooShort
+from roundelay.base.checks import as_path, expected
+from roundelay.base.errors import FormatError, RateAssumed, TooShort
 from roundelay.base.files import STANDARD_INPUT, name_of, unpacked
+from roundelay.base.texts import shown
 from roundelay.formats.registry import (
     Reader,
     SkeletonReader,
@@ -30,6 +31,7 @@ from roundelay.formats.registry import (
     writer_of,
     writers,
 )
+from roundelay.formats.sane import fault_of
 from roundelay.geometry.kinematics import vertical_axis
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion, checked_rate
@@ -89,13 +91,20 @@ def read(
     OSError
         If the file cannot be read.
     """
-    path = Path(path)
+    path = as_path(path)
     reader = reader_of(path, suffix)
-    with _rate_known(fps is not None):
-        motion = _upright(_read(reader, path, skeleton))
+    rate = None if fps is None else checked_rate(fps)
+    with _rate_known(rate is not None):
+        motion = _read(reader, path, skeleton)
+    if rate is not None:
+        motion = replace(motion, frame_time=1.0 / rate)
+    fault = fault_of(motion)
+    if fault is not None:
+        raise FormatError(fault, path=path)
+    motion = _upright(motion)
     if path == STANDARD_INPUT or unpacked(path) != path:
         motion = replace(motion, name=name_of(path))
-    return motion if fps is None else replace(motion, frame_time=1.0 / checked_rate(fps))
+    return motion
 
 
 @contextmanager
@@ -134,14 +143,20 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
     Raises
     ------
     ValueError
-        If the suffix is not known.
+        If the suffix is not known, or the motion has a rate, lengths or names that no file may
+        hold; see `roundelay.formats.sane`.
     TooShort
         If the motion has no frame.
     OSError
         If the file cannot be written.
     """
-    path = Path(path)
+    path = as_path(path)
     writer = writer_of(path)
     if not len(expected(Motion, motion)):
         raise TooShort("expected a motion of at least one frame, found none")
+    fault = fault_of(motion)
+    if fault is not None:
+        raise ValueError(fault)
+    name = shown(motion.name)
+    motion = motion if name == motion.name else replace(motion, name=name)
     writer.write(motion, path)

@@ -13,6 +13,7 @@ import numpy as np
 from roundelay.base.errors import FormatError
 from roundelay.formats import text
 from roundelay.formats.acclaim import ROOT_DOF, AcclaimLayout, Bone, Vector
+from roundelay.formats.sane import LARGEST
 from roundelay.formats.text import Token
 from roundelay.geometry.skeleton import Skeleton
 
@@ -21,8 +22,6 @@ __all__ = ["find_skeleton", "read_skeleton"]
 Line = Sequence[Token]
 
 _MAX_DEPTH = 256
-# Squares of what is longer may overflow.
-_LONGEST = 1e100
 _DOFS = {"rx", "ry", "rz", "tx", "ty", "tz", "lx", "ly", "lz", "l"}
 _LIMIT = re.compile(r"\(\s*(\S+)\s+([^\s)]+)\s*\)")
 
@@ -179,8 +178,8 @@ class _Reader:
     def _add(self, bone: Bone, name: Token) -> None:
         if bone.name in self.bones or bone.name == "root":
             raise self.cursor.found("a bone's name not used before", name)
-        if not np.all(np.abs(bone.end) < _LONGEST):
-            raise self.cursor.found(f"a bone shorter than {_LONGEST:g}", name)
+        if not np.all(np.abs(bone.end) < LARGEST):
+            raise self.cursor.found(f"a bone shorter than {LARGEST:g}", name)
         self.bones[bone.name] = bone, name
 
     def _bone_field(self, word: str, line: Line) -> dict[str, Any]:

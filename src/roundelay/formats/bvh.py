@@ -151,8 +151,9 @@ def _odd_line(source: text.Source, start: int, width: int) -> tuple[int, int] | 
 def _motion(skeleton: Skeleton, values: Array, frame_time: float, name: str) -> Motion:
     layout: BvhLayout = skeleton.layout
     rotations = compose(values, layout.orders, layout.columns("rotation"), unit=DEGREE)
+    rotations.flags.writeable = False  # a motion need not copy them
     places = _placements(skeleton, values)
-    path = np.array(places.get(0, np.broadcast_to(skeleton.offsets[0], (len(values), 3))))
+    path = places.get(0, np.broadcast_to(skeleton.offsets[0], (len(values), 3)))
     moved = {joint: place for joint, place in places.items() if joint}
     translations = None
     if any(leave(place, skeleton.offsets[j], skeleton.size) for j, place in moved.items()):

@@ -14,7 +14,9 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["is_number", "parse"]
+from roundelay.formats.sane import LARGEST
+
+__all__ = ["is_decimal", "is_number", "parse"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -25,8 +27,6 @@ _NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _BLANK = re.compile(rb"\s")
 _NUMERIC = b"0123456789+-.eE \t\r\n\v\f"
 _BLOCK = 1 << 16
-# Larger values are no length or angle, and their squares would overflow.
-_LARGEST = 1e100
 _POWERS = 10.0 ** np.arange(9)
 # Masks of the digits in the last 0 to 8 characters of eight, in a little-endian word.
 _LAST = np.array([0x0F0F0F0F0F0F0F0F >> (64 - 8 * n) << (64 - 8 * n) for n in range(9)], np.uint64)
@@ -35,9 +35,14 @@ _UPPER = np.uint64(0x000F424000000064)
 _LOWER = np.uint64(0x0000271000000001)
 
 
+def is_decimal(word: bytes) -> bool:
+    """Tell whether a word is a decimal number: no NaN, infinity, hexadecimal, _."""
+    return _NUMBER.fullmatch(word) is not None
+
+
 def is_number(word: bytes) -> bool:
-    """Tell whether a word is a decimal number of sane size: no NaN, infinity, hexadecimal, _."""
-    return _NUMBER.fullmatch(word) is not None and abs(float(word)) < _LARGEST
+    """Tell whether a word is a decimal number of sane size; see `roundelay.formats.sane`."""
+    return is_decimal(word) and abs(float(word)) <= LARGEST
 
 
 def parse(text: bytes, start: int = 0) -> Array | None:
@@ -93,7 +98,7 @@ def _parse_block(block: bytes) -> Array | None:
         values[rest] = [float(padded[start:stop]) for start, stop in places]
     except ValueError:
         return None
-    return values if np.all(np.abs(values[rest]) < _LARGEST) else None
+    return values if np.all(np.abs(values[rest]) <= LARGEST) else None
 
 
 def _dots(chars: NDArray[np.uint8], starts: Places, stops: Places) -> tuple[Places, Flags]:

@@ -45,6 +45,7 @@ def compose(
     Returns
     -------
     (F, J, 4) ndarray
+        Continuous in sign.
     """
     result = rot.identity(len(table), len(orders))
     for order in sorted(set(orders) - {""}):
@@ -52,7 +53,15 @@ def compose(
         places = [columns[joint] for joint in joints]
         for rows in _blocks(len(table)):
             result[rows, joints] = rot.from_euler(table[rows, places] * unit, order)
+    _make_continuous(result)
     return result
+
+
+def _make_continuous(rotations: Array) -> None:
+    """Choose the signs of rotations (F, J, 4) in place; each block goes on from the one before."""
+    for rows in _blocks(len(rotations)):
+        first = max(rows.start - 1, 0)
+        rotations[first : rows.stop] = rot.continuous(rotations[first : rows.stop])
 
 
 def _blocks(frames: int) -> Iterator[slice]:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from roundelay.base.errors import FormatError
 from roundelay.base.files import content
+from roundelay.formats.sane import LARGEST
 
 __all__ = ["Document", "Part", "load"]
 
@@ -32,8 +33,6 @@ _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "
 _DATA_URI = re.compile(r"data:[^,]*;base64,", re.IGNORECASE)
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 _SHOWN = 40
-# No length or time is larger; products of some such numbers are still finite.
-_LARGEST = 1e12
 
 
 @dataclass(frozen=True)
@@ -130,8 +129,8 @@ class Part:
         listed = isinstance(self.value, list) and len(self.value) == count
         if not listed or any(type(x) not in (int, float) for x in self.value):
             raise self.error(expected)
-        if any(not abs(x) <= _LARGEST for x in self.value):
-            raise self.error(f"{expected} of at most {_LARGEST:g}")
+        if any(not abs(x) <= LARGEST for x in self.value):
+            raise self.error(f"{expected} of at most {LARGEST:g}")
         return np.array(self.value, float)
 
     def text(self) -> str:
@@ -292,8 +291,8 @@ def _dtype(entry: Part) -> np.dtype[Any]:
 def _as_numbers(entry: Part, rows: NDArray[Any]) -> Array:
     with np.errstate(invalid="ignore"):  # NaN that signals
         values = rows.astype(float)
-    if not np.all(np.abs(values) <= _LARGEST):
-        raise entry.error(f"finite numbers of at most {_LARGEST:g}", "others")
+    if not np.all(np.abs(values) <= LARGEST):
+        raise entry.error(f"finite numbers of at most {LARGEST:g}", "others")
     if entry.get("normalized", False).value is True and rows.dtype.kind in "iu":
         # The most negative number stands for -1, too (3.6.2.2).
         return np.maximum(values / np.iinfo(rows.dtype).max, -1.0)

@@ -18,6 +18,7 @@ from roundelay.base.errors import RoundelayWarning
 from roundelay.formats.gltf_document import Document, Part, load
 from roundelay.formats.gltf_keys import Clock, Track, common_clock, read_track
 from roundelay.formats.moving import leave
+from roundelay.formats.sane import LARGEST, MOST_JOINTS, require_memory
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
@@ -26,8 +27,6 @@ __all__ = ["GltfReader"]
 
 Array = NDArray[np.float64]
 
-# More joints than any body has.
-_MOST_JOINTS = 4096
 # Poses of a joint for a byte of the file, and poses that any file may have.
 _PROPORTION, _FEW = 2, 1 << 22
 # Scales that differ by less, relatively, are one.
@@ -37,8 +36,6 @@ _BESIDES = ("meshes", "cameras", "materials", "textures", "images")
 _MOVING = "an animation that moves the skeleton's nodes"
 # Names in a note.
 _NAMED = 8
-# Scales are multiplied down the tree; beyond this they are no lengths.
-_LARGEST = 1e12
 
 
 class GltfReader:
@@ -280,8 +277,8 @@ def _lowest_above_all(tree: _Tree, chosen: set[int], below: list[int], top: int)
 
 
 def _in_order(tree: _Tree, joints: list[int], root: Part) -> list[int]:
-    if len(joints) > _MOST_JOINTS:
-        raise root.error(f"at most {_MOST_JOINTS} joints", str(len(joints)))
+    if len(joints) > MOST_JOINTS:
+        raise root.error(f"at most {MOST_JOINTS} joints", str(len(joints)))
     by_number = sorted(joints)
     first = by_number[0] == joints[0]
     ordered = first and all(tree.parents[node] < node for node in by_number[1:])
@@ -330,6 +327,7 @@ def _check_proportion(document: Document, frames: int, joints: int) -> None:
             "keys on most of the joints",
             f"{frames} frames of {joints} joints in {document.loaded} bytes",
         )
+    require_memory(frames, joints)
 
 
 @dataclass(frozen=True)
@@ -388,8 +386,9 @@ def _root(placed: _Placed, chain: list[int]) -> tuple[Array, Array, float]:
 
 
 def _product(placed: _Placed, node: int, above: float) -> float:
+    # Scales are multiplied down the tree.
     product = above * placed.scales[node]
-    if not 1.0 / _LARGEST < product < _LARGEST:
+    if not 1.0 / LARGEST < product < LARGEST:
         raise placed.nodes[node].part.error("a scale that leaves lengths", f"{product:g}")
     return product
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from roundelay.base.errors import FormatError
 from roundelay.base.files import content, written_beside
 from roundelay.formats import decimals
+from roundelay.formats.sane import LARGEST, fault_of_size, require_memory
 
 __all__ = [
     "Cursor",
@@ -191,7 +192,9 @@ class Cursor:
 
     def found(self, expected: str, token: Token) -> FormatError:
         """Return the error of a word that is not what was expected."""
-        return self.source.error(f"expected {expected}, found {shown(token.text)}", token.at)
+        large = decimals.is_decimal(token.text.encode()) and abs(float(token.text)) > LARGEST
+        more = f", more than {LARGEST:g}" if large else ""
+        return self.source.error(f"expected {expected}, found {shown(token.text)}{more}", token.at)
 
 
 def shown(text: str) -> str:
@@ -214,14 +217,20 @@ def numbers(source: Source, start: int) -> NDArray[np.float64]:
 
 
 def check_proportion(source: Source, at: int, frames: int, joints: int) -> None:
-    """Refuse a motion out of proportion to its file: few channels, many joints and frames.
+    """Refuse a motion too large, or out of proportion to its file: few channels, many frames.
 
     Raises
     ------
     FormatError
-        If there are more than two poses of a joint for a byte.
+        If there are more joints or frames than any capture has, or more than two poses of a joint
+        for a byte.
+    TooLarge
+        If there is no memory for the poses.
     """
-    size = len(source.data)
+    fault, size = fault_of_size(frames, joints), len(source.data)
+    if fault is not None:
+        raise source.error(fault, at)
+    require_memory(frames, joints)
     if frames * joints > 2 * size + _SMALL:
         raise source.error(
             f"expected channels on most of the joints, found {frames} frames of {joints} joints "
@@ -233,8 +242,8 @@ def check_proportion(source: Source, at: int, frames: int, joints: int) -> None:
 def _bad_number(source: Source, start: int) -> FormatError:
     for match in _WORD.finditer(source.data, start):
         if not decimals.is_number(match.group()):
-            found = shown(source.decode(*match.span()))
-            return source.error(f"expected a number, found {found}", match.start())
+            token = Token(source.decode(*match.span()), match.start())
+            return Cursor(source).found("a number", token)
     raise AssertionError("the fast and the strict reader disagree on what is a number")
 
 

@@ -21,6 +21,7 @@ __all__ = [
     "from_matrix",
     "from_rotation_vector",
     "identity",
+    "is_continuous",
     "mean",
     "multiply",
     "normalize",
@@ -263,6 +264,12 @@ def twist(quaternions: ArrayLike, axis: ArrayLike) -> Array:
     return normalize(result)
 
 
+def is_continuous(quaternions: ArrayLike) -> bool:
+    """Tell whether neighbours (F, ..., 4) along the first axis lie in one hemisphere."""
+    q = np.asarray(quaternions, float)
+    return not np.any(np.einsum("...i,...i->...", q[1:], q[:-1]) < 0.0)
+
+
 def continuous(quaternions: ArrayLike, axis: int = 0) -> Array:
     """Choose signs so that neighbours along `axis` lie in one hemisphere.
 
@@ -278,7 +285,7 @@ def continuous(quaternions: ArrayLike, axis: int = 0) -> Array:
     if np.any(flips):
         turned = np.logical_xor.accumulate(flips, axis=0)
         np.negative(q[1:], out=result[1:], where=turned[..., None])
-    return np.moveaxis(result, 0, axis)
+    return result if axis == 0 else np.moveaxis(result, 0, axis)
 
 
 def mean(quaternions: ArrayLike, weights: ArrayLike | None = None) -> Array:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.checks import as_numbers, as_sequence
 from roundelay.base.errors import SkeletonMismatch
 
 __all__ = ["Skeleton"]
@@ -46,11 +47,11 @@ class Skeleton:
     layout: Any = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        offsets = np.array(self.offsets, float)
+        offsets = np.array(as_numbers(self.offsets, "offsets (J, 3)"), float)
         offsets.flags.writeable = False
         object.__setattr__(self, "offsets", offsets)
-        n = len(self.names)
-        if n == 0 or len(self.parents) != n or offsets.shape != (n, 3):
+        n = len(as_sequence(self.names, "names"))
+        if n == 0 or len(as_sequence(self.parents, "parents")) != n or offsets.shape != (n, 3):
             raise ValueError(
                 "expected as many parents and offsets as names, at least one; found "
                 f"{n} names, {len(self.parents)} parents, offsets of shape {offsets.shape}"

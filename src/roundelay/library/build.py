@@ -3,26 +3,35 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from datetime import UTC, datetime
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from roundelay.base.checks import chosen
+from roundelay.base.checks import as_path, chosen
 from roundelay.base.errors import FormatError
+from roundelay.base.locks import locked
 from roundelay.base.progress import Progress, report
 from roundelay.base.threads import one_thread
 from roundelay.base.version import __version__
-from roundelay.library.captures import find_captures
-from roundelay.library.catalogue import CATALOGUE, SIGNATURES, Library
-from roundelay.library.clips import LOOPS, Clip, lost_clip, made_entry
+from roundelay.library.captures import LOOPS, find_captures
+from roundelay.library.catalogue import Library
+from roundelay.library.clips import Clip, late_clip, lost_clip, made_entry
 from roundelay.library.groups import group_records, grouped, labelled
-from roundelay.library.store import Log, shelved, write_shelves, write_table
-from roundelay.library.workers import spread
+from roundelay.library.log import Log
+from roundelay.library.mending import claimed, is_done, is_intact, opened, tell_mended
+from roundelay.library.store import (
+    SIGNATURES,
+    TABLE,
+    shelved,
+    write_catalogue,
+    write_shelves,
+    write_table,
+)
+from roundelay.library.workers import Limits, spread
 from roundelay.loops.options import LoopOptions
-from roundelay.output.records import write_json
 
 __all__ = ["build_library"]
 
@@ -37,13 +46,15 @@ def build_library(
     options: LoopOptions | None = None,
     *,
     jobs: int | None = None,
+    limits: Limits | None = None,
     again: bool = False,
     progress: Progress | None = None,
     refused: Tell | None = None,
 ) -> Library:
     """Cut, label and loop all captures below some folders, and make them searchable.
 
-    What an earlier call did with the same file and options is kept. If the work is interrupted,
+    What an earlier call did with the same file and options is kept; what is damaged since then is
+    mended, with one warning. If the work is interrupted,
     the library of what is done by then is written all the same. With several jobs this is to be
     called below ``if __name__ == "__main__"``, as for `multiprocessing`.
 
@@ -57,6 +68,9 @@ def build_library(
         How loops are written.
     jobs : int, optional
         How many processes; one a CPU by default.
+    limits : Limits, optional
+        Seconds and bytes that a clip is given; they need a process of its own, so that one job
+        without limits is done in this process. By default an hour, and all memory.
     again : bool
         Do again what is done.
     progress : callable, optional
@@ -71,7 +85,12 @@ def build_library(
     Raises
     ------
     OSError
-        If there is no capture, a source cannot be read, or the library cannot be written.
+        If there is no capture, a source cannot be read, the library cannot be written, or the
+        folder holds files of the same names that are of no library.
+    Locked
+        If another run is at work on the library.
+    FormatError
+        If the library is of another version.
     ValueError
         If a source is a file of another type, or `jobs` is not positive.
     Cancelled
@@ -79,9 +98,10 @@ def build_library(
     """
     if jobs is not None and jobs < 1:
         raise ValueError(f"expected at least one job, found {jobs}")
-    folder, options = Path(folder).resolve(), chosen(LoopOptions, options)
-    given = [sources] if isinstance(sources, str | PathLike) else sources
-    places = [_rooted(Path(source)) for source in given]
+    folder, options = as_path(folder).resolve(), chosen(LoopOptions, options)
+    given = sources if isinstance(sources, Iterable) else [sources]
+    given = [sources] if isinstance(sources, str | bytes) else given
+    places = [_rooted(as_path(source)) for source in given]
     captures, faults = find_captures(places, besides=folder / LOOPS)
     unread = [f"{fault.filename}: {fault.strerror}" for fault in faults]
     tell = refused or (lambda line: None)
@@ -89,17 +109,19 @@ def build_library(
         tell(line)
     clips = [Clip(path, name, folder, options) for name, path in captures.items()]
     folder.mkdir(parents=True, exist_ok=True)
-    log = Log(folder)
-    todo = [clip for clip in clips if again or not _is_done(clip, log)]
-    current = None if todo else _current(folder, list(captures), unread)
-    if current is not None:
-        return current
-    log.drop(clip.name for clip in todo)
-    try:
-        _do(todo, log, jobs or os.cpu_count() or 1, progress, tell)
-    finally:
-        _write(list(captures), log, unread, folder)
-    return Library.open(folder)
+    with locked(folder / "library.lock"):
+        log = opened(folder)
+        todo = [clip for clip in clips if again or not is_done(clip, log)]
+        current = None if todo or log.damaged else _current(folder, list(captures), unread)
+        if current is not None:
+            return current
+        tell_mended(folder, log, todo)
+        log.renew(clip.name for clip in todo)
+        try:
+            _do(todo, log, jobs or os.cpu_count() or 1, limits, progress, tell)
+        finally:
+            _write(list(captures), log, unread, folder)
+        return Library.open(folder)
 
 
 def _rooted(source: Path) -> Path:
@@ -117,21 +139,29 @@ def _current(folder: Path, names: Sequence[str], unread: Sequence[str]) -> Libra
     except FormatError:
         return None
     same = [clip["file"] for clip in library.clips] == names and library.record["unread"] == unread
-    return library if same else None
+    return library if same and is_intact(folder, TABLE, library.record["checksums"]) else None
 
 
-def _is_done(clip: Clip, log: Log) -> bool:
-    entry = log.entries.get(clip.name)
-    if entry is None or entry.stamp is None or entry.stamp != clip.stamp():
-        return False
-    return all((clip.folder / cycle["loop"]).exists() for cycle in entry.record["cycles"])
-
-
-def _do(clips: Sequence[Clip], log: Log, jobs: int, progress: Progress | None, tell: Tell) -> None:
+def _do(
+    clips: Sequence[Clip],
+    log: Log,
+    jobs: int,
+    limits: Limits | None,
+    progress: Progress | None,
+    tell: Tell,
+) -> None:
     """Make the entries of clips; the fraction done is that of their bytes."""
     sizes = {clip.name: clip.size for clip in clips}
     total, done = max(1, sum(sizes.values())), 0
-    with closing(spread(made_entry, clips, min(jobs, len(clips)), lost_clip)) as entries:
+    work = spread(
+        made_entry,
+        claimed(clips, log),
+        min(jobs, len(clips)),
+        lost_clip,
+        limits=limits,
+        late=late_clip,
+    )
+    with closing(work) as entries:
         for number, entry in enumerate(entries, 1):
             log.add(entry)
             if entry.record["error"] is not None:
@@ -146,10 +176,9 @@ def _write(names: Sequence[str], log: Log, unread: Sequence[str], folder: Path) 
     shelves = shelved(entries)
     labels, examples = grouped(shelves)
     clips = labelled([entry.record for entry in entries], labels)
-    written = datetime.now(UTC).isoformat()
     record: dict[str, Any] = {
         "roundelay": __version__,
-        "written": written,
+        "written": datetime.now(UTC).isoformat(),
         "summary": {
             "clips": len(clips),
             "frames": sum(clip["frames"] for clip in clips),
@@ -163,6 +192,6 @@ def _write(names: Sequence[str], log: Log, unread: Sequence[str], folder: Path) 
         "groups": group_records(clips, examples),
         "clips": clips,
     }
-    write_shelves(shelves, written, folder / SIGNATURES)
-    write_table(clips, folder / "cycles.csv")
-    write_json(record, folder / CATALOGUE)
+    write_shelves(shelves, folder / SIGNATURES)
+    write_table(clips, folder / TABLE)
+    write_catalogue(record, folder)

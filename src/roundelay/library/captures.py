@@ -9,8 +9,13 @@ from pathlib import Path
 
 from roundelay.base.files import unpacked
 from roundelay.formats import in_words, readers, suffixes_of, writers
+from roundelay.library.log import LOG
+from roundelay.library.sealed import SEAL
 
-__all__ = ["files_not_read", "find_captures"]
+__all__ = ["LOOPS", "files_not_read", "find_captures"]
+
+LOOPS = "loops"
+"""The folder of a library that holds the loops."""
 
 
 def find_captures(
@@ -18,7 +23,8 @@ def find_captures(
 ) -> tuple[dict[str, Path], list[OSError]]:
     """List the files that a reader knows, packed or not, among files and below folders.
 
-    Hidden ones are left out: what other systems keep beside each file has its suffix, too.
+    Hidden ones are left out: what other systems keep beside each file has its suffix, too. So are
+    the loops of libraries.
 
     Parameters
     ----------
@@ -71,13 +77,27 @@ def _is_of(path: Path, suffixes: Collection[str]) -> bool:
     return unpacked(path).suffix.lower() in suffixes
 
 
+def _is_library(folder: Path, files: Sequence[str]) -> bool:
+    """Tell whether a folder is a library, whose loops are no captures."""
+    if LOG not in files:
+        return False
+    try:
+        with (folder / LOG).open("rb") as log:
+            return log.read(len(SEAL)) == SEAL
+    except OSError:
+        return False
+
+
 def _below(
     top: Path, suffixes: Collection[str], faults: list[OSError], besides: Path | None = None
 ) -> list[Path]:
     found = []
     for place, folders, files in os.walk(top, onerror=faults.append):
         here = Path(place)
-        folders[:] = [f for f in folders if not f.startswith(".") and here / f != besides]
+        ours = LOOPS if _is_library(here, files) else ""
+        folders[:] = [
+            f for f in folders if not f.startswith(".") and f != ours and here / f != besides
+        ]
         visible = [here / file for file in files if not file.startswith(".")]
         found += [file for file in visible if _is_of(file, suffixes)]
     return found

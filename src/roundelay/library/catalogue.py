@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -11,15 +10,15 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from roundelay.base.checks import as_path
 from roundelay.base.errors import FormatError, SkeletonMismatch
 from roundelay.base.threads import one_thread
 from roundelay.compare.spectra import Spectra, least_distances
 from roundelay.cycles.cycle import Cycle
-from roundelay.library.store import Shelf, read_shelves
+from roundelay.library.sealed import FORMAT, checksum_of
+from roundelay.library.store import CATALOGUE, SIGNATURES, Shelf, read_catalogue, read_shelves
 
-__all__ = ["CATALOGUE", "SIGNATURES", "Library", "Match"]
-
-CATALOGUE, SIGNATURES = "library.json", "signatures.npz"
+__all__ = ["Library", "Match"]
 
 
 @dataclass(frozen=True)
@@ -65,13 +64,12 @@ class Library:
         FormatError
             If the folder holds none, or not all of it.
         """
-        folder = Path(folder)
-        path = folder / CATALOGUE
+        folder = as_path(folder)
         try:
-            record = json.loads(path.read_text(encoding="utf-8"))
-            shelves = read_shelves(folder / SIGNATURES, record["written"])
+            record = _intact(folder)
+            shelves = read_shelves(folder / SIGNATURES)
         except (OSError, ValueError, KeyError, TypeError, BadZipFile) as error:
-            fault = error if path.exists() else f"no {path.name} in it"
+            fault = error if (folder / CATALOGUE).exists() else f"no {CATALOGUE} in it"
             message = f"expected a folder made by roundelay library, found {fault}"
             raise FormatError(message, path=folder) from None
         return cls(folder, record, tuple(shelves))
@@ -126,3 +124,15 @@ class Library:
         nearest = np.argsort(distances, kind="stable")[:compared][:count]
         found = [Match(float(distances[number]), *cycles[number]) for number in nearest]
         return found, len(cycles) - compared
+
+
+def _intact(folder: Path) -> dict[str, Any]:
+    """Read the catalogue of a folder; raise ValueError if it, or what search needs, is damaged."""
+    record = read_catalogue(folder)
+    if record is None:
+        raise ValueError(f"a damaged {CATALOGUE}; run roundelay library again")
+    if record["format"] != FORMAT:
+        raise ValueError(f"format {record['format']}, not {FORMAT}; use the roundelay that made it")
+    if record["checksums"][SIGNATURES] != checksum_of(folder / SIGNATURES):
+        raise ValueError(f"a damaged {SIGNATURES}; run roundelay library again")
+    return record

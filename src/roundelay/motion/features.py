@@ -14,6 +14,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import as_numbers, expected
 from roundelay.base.errors import SkeletonMismatch
 from roundelay.base.numeric import TINY
 from roundelay.base.threads import one_thread
@@ -116,9 +117,13 @@ def point_cloud(
     SkeletonMismatch
         If no joint is left.
     """
-    values = _features(motion, features)
+    values = _features(expected(Motion, motion), features)
     if weights is not None:
-        values = values * np.asarray(weights, float)[None, :, None]
+        factors = np.asarray(as_numbers(weights, "weights (J,)"), float)
+        if factors.shape != (motion.skeleton.n_joints,):
+            told = f"({motion.skeleton.n_joints},), found {factors.shape}"
+            raise ValueError(f"expected weights of shape {told}")
+        values = values * factors[None, :, None]
     chosen = np.arange(motion.skeleton.n_joints) if joints is None else np.asarray(joints)
     chosen = chosen[chosen != 0]
     if len(chosen) == 0:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roundelay.base.checks import expected
+from roundelay.base.checks import all_expected, as_number, as_numbers, expected
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.skeleton import Skeleton
@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 # Frames a second; none is shown or filmed faster, and a slip of the keyboard would fill memory.
 FASTEST = 10_000.0
+# Frames looked at together.
+_BLOCK = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,20 +66,20 @@ class Motion:
     up: int = 1
 
     def __post_init__(self) -> None:
-        joints = self.skeleton.n_joints
-        rotations = np.asarray(self.rotations, float)
-        path = np.asarray(self.root_path, float)
-        frames = len(path)
+        joints = expected(Skeleton, self.skeleton).n_joints
+        rotations = np.asarray(as_numbers(self.rotations, "rotations"), float)
+        path = np.asarray(as_numbers(self.root_path, "root_path"), float)
+        frames = len(path) if path.ndim else 0
         _check_shape("rotations", rotations, (frames, joints, 4))
         _check_shape("root_path", path, (frames, 3))
-        if not (np.isfinite(self.frame_time) and self.frame_time > 0.0):
+        if not (np.isfinite(as_number(self.frame_time, "frame time")) and self.frame_time > 0.0):
             raise ValueError(f"expected a positive frame time, found {self.frame_time}")
-        object.__setattr__(self, "rotations", _frozen(rot.continuous(rotations)))
-        object.__setattr__(self, "root_path", _frozen(path.copy()))
+        object.__setattr__(self, "rotations", _frozen(_continuous(rotations)))
+        object.__setattr__(self, "root_path", _frozen(_own(path)))
         if self.translations is not None:
-            moved = np.array(self.translations, float)
+            moved = np.asarray(as_numbers(self.translations, "translations"), float)
             _check_shape("translations", moved, (frames, joints, 3))
-            object.__setattr__(self, "translations", _frozen(moved))
+            object.__setattr__(self, "translations", _frozen(_own(moved)))
 
     def __len__(self) -> int:
         return len(self.root_path)
@@ -289,11 +291,12 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
     SkeletonMismatch
         If their skeletons differ.
     """
+    motions = all_expected(Motion, motions)
     if not motions:
-        raise ValueError("expected at least one motion")
-    first = expected(Motion, motions[0])
+        raise ValueError("expected at least one motion, found none")
+    first = motions[0]
     for other in motions[1:]:
-        first.skeleton.require_same(expected(Motion, other).skeleton)
+        first.skeleton.require_same(other.skeleton)
         if not np.isclose(other.frame_time, first.frame_time, rtol=1e-4):
             raise ValueError(f"expected one frame rate, found {first.fps:g} and {other.fps:g} fps")
     moved = None
@@ -334,8 +337,39 @@ def _lerp(values: Array, before: Array, after: Array, part: Array) -> Array:
 def _check_shape(what: str, array: Array, expected: tuple[int, ...]) -> None:
     if array.shape != expected:
         raise ValueError(f"expected {what} of shape {expected}, found {array.shape}")
-    if not np.all(np.isfinite(array)):
+    if not all(np.all(np.isfinite(array[rows])) for rows in _blocks(len(array))):
         raise ValueError(f"expected finite {what}, found NaN or infinity")
+
+
+def _blocks(frames: int) -> Iterator[slice]:
+    """Yield ranges of frames: what is computed of each takes little memory."""
+    for start in range(0, frames, _BLOCK):
+        yield slice(start, start + _BLOCK)
+
+
+def _continuous(rotations: Array) -> Array:
+    """Return rotations of continuous signs: the same array if it has them and never changes."""
+    if _is_frozen(rotations):
+        # Of each block the last frame before it is looked at, too.
+        ranges = (slice(max(rows.start - 1, 0), rows.stop) for rows in _blocks(len(rotations)))
+        if all(rot.is_continuous(rotations[rows]) for rows in ranges):
+            return rotations
+    return rot.continuous(rotations)
+
+
+def _own(array: Array) -> Array:
+    """Return an array that nobody else can change."""
+    return array if _is_frozen(array) else array.copy()
+
+
+def _is_frozen(array: Array) -> bool:
+    """Tell whether neither an array nor what it is a view of can be written to."""
+    seen: object = array
+    while isinstance(seen, np.ndarray):
+        if seen.flags.writeable:
+            return False
+        seen = seen.base
+    return seen is None
 
 
 def _frozen(array: Array) -> Array:

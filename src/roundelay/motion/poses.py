@@ -13,6 +13,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.checks import as_number, as_numbers, as_sequence
 from roundelay.base.errors import SkeletonMismatch
 from roundelay.base.numeric import SMALLEST
 from roundelay.base.spans import Span
@@ -87,11 +88,12 @@ class PoseArray:
     missing: Mask | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "values", np.asarray(self.values, float))
-        shape = self.values.shape
-        if len(shape) != 3 or shape[1] != len(self.names):
-            expected = f"(F, {len(self.names)}, d) for {len(self.names)} names"
-            raise ValueError(f"expected values of shape {expected}, found {shape}")
+        values = as_numbers(self.values, "values (F, J, d)")
+        object.__setattr__(self, "values", np.asarray(values, float))
+        shape, names = self.values.shape, as_sequence(self.names, "names")
+        if len(shape) != 3 or shape[1] != len(names):
+            asked = f"(F, {len(names)}, d) for {len(names)} names"
+            raise ValueError(f"expected values of shape {asked}, found {shape}")
         if self.missing is not None:
             object.__setattr__(self, "missing", np.asarray(self.missing, bool))
         seen = np.ones(shape[:2], bool) if self.missing is None else ~self.missing
@@ -100,7 +102,7 @@ class PoseArray:
         if not np.all(np.isfinite(self.values[seen])):
             raise ValueError("expected finite values where none is missing, found NaN or infinity")
         for what, number in (("frame rate", self.fps), ("size", self.size)):
-            if not (np.isfinite(number) and number > 0.0):
+            if not (np.isfinite(as_number(number, what)) and number > 0.0):
                 raise ValueError(f"expected a positive {what}, found {number:g}")
 
 

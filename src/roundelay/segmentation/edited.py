@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from roundelay.base.cells import cell
 from roundelay.base.errors import FormatError
 from roundelay.segmentation.result import Curve, Segment, Segmentation
 
@@ -101,7 +102,7 @@ def tab_separated(found: Segmentation) -> str:
     writer.writerow(["start", "end", "name"])
     for segment in found.segments:
         times = (segment.start * found.frame_time, segment.stop * found.frame_time)
-        writer.writerow([*(f"{time:.6f}" for time in times), segment.title])
+        writer.writerow([*(f"{time:.6f}" for time in times), cell(segment.title)])
     return text.getvalue()
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.brief import brief
+from roundelay.base.cells import cell
 from roundelay.base.version import __version__
 from roundelay.motion.motion import Motion
 
@@ -207,4 +208,6 @@ class Segmentation:
 
 
 def _brief(value: Any) -> Any:
+    if isinstance(value, str):
+        return cell(value)
     return f"{value:.6g}" if isinstance(value, float) else value

@@ -119,7 +119,7 @@ class _Likeness(Thresholds):
     )
     members: int = constant(4, unit="stretches", origin="that stand for a behaviour; for speed")
     cut: float = constant(
-        0.02,
+        -0.05,
         unit="logarithm of errors",
         origin="the odds of a cut are even here; fitted to heights by logistic regression, on CMU, "
         "HDM05, Bandai-Namco and joined clips of LAFAN1",

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from roundelay.base.checks import as_numbers
 from roundelay.base.errors import TooShort
 from roundelay.topology.kernel import engine
 from roundelay.topology.kernel.reduction import F32, F64
@@ -19,7 +20,6 @@ from roundelay.topology.memory import check_memory
 __all__ = [
     "Metric",
     "Runs",
-    "as_numbers",
     "check_distances",
     "check_metric",
     "check_points",
@@ -38,6 +38,8 @@ Metric = Literal["euclidean", "precomputed"]
 """Whether data are points (n, d) or their distances; see `check_distances` for their forms."""
 
 FEWEST_POINTS = 4
+# Between these float32 resolves as finely as it does.
+_SMALLEST, _LARGEST = float(np.finfo(np.float32).tiny), float(np.finfo(np.float32).max)
 
 
 def pairwise_distances(points: ArrayLike) -> F32:
@@ -66,9 +68,10 @@ def pairwise_distances(points: ArrayLike) -> F32:
     return in_unit(engine().distances(rounded), unit)
 
 
-def rounded_points(points: F64) -> tuple[F32, np.float32]:
+def rounded_points(points: F64) -> tuple[F32, float]:
     """Return points (n, d) centred, without constant columns, and the unit they are in."""
-    moved = points - points.mean(axis=0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        moved = np.nan_to_num(points - points.mean(axis=0), nan=np.inf)
     size = float(abs(moved).max())
     rounded = _rounded(moved, size)
     return rounded[:, rounded.any(axis=0)], _unit(size)
@@ -86,14 +89,29 @@ def cross_distances(points: ArrayLike, others: ArrayLike) -> F32:
     return in_unit(engine().distances(far, near), _unit(size))
 
 
-def _unit(size: float) -> np.float32:
+def _unit(size: float) -> float:
     """Power of two near the size of the points, or 1 where float32 holds their squares well."""
-    return np.float32(1.0 if 1e-4 < size < 1e12 or size == 0 else 2.0 ** np.frexp(size)[1])
+    if not (size == 0.0 or _SMALLEST <= size <= _LARGEST):
+        told = f"from {_SMALLEST:.2g} to {_LARGEST:.2g}, found one of {size:.2g}"
+        raise ValueError(f"expected points in a unit in which their cloud has a size {told}")
+    return 1.0 if 1e-4 < size < 1e12 or size == 0 else 2.0 ** float(np.frexp(size)[1] - 1)
 
 
-def in_unit(distances: F32, unit: np.float32) -> F32:
-    """Return distances of rounded points in the unit of the data."""
-    return distances if unit == 1 else distances * unit
+def in_unit(distances: F32, unit: float) -> F32:
+    """Return distances of rounded points in the unit of the data.
+
+    Raises
+    ------
+    ValueError
+        If the largest is more than float32 holds.
+    """
+    if unit == 1:
+        return distances
+    with np.errstate(over="ignore"):
+        scaled = distances * np.float32(unit)
+    if np.isinf(scaled).any():
+        raise ValueError(f"expected distances up to {_LARGEST:.2g}, found larger ones")
+    return scaled
 
 
 def _rounded(points: F64, size: float) -> F32:
@@ -117,24 +135,6 @@ def check_points(points: ArrayLike) -> F64:
         raise ValueError("expected finite points, found NaN or infinity")
     _check_count(len(array))
     return array
-
-
-def as_numbers(data: Any, what: str) -> np.ndarray:
-    """Return data as an array of real numbers, or raise ValueError with what was expected."""
-    if is_sparse(data):
-        raise ValueError(f"expected {what}, found a sparse matrix")
-    try:
-        array = np.asarray(data)
-        if array.dtype.kind == "c":
-            raise TypeError
-        return array if array.dtype.kind in "buif" else array.astype(np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"expected {what} as numbers, found {_in_short(data)}") from None
-
-
-def _in_short(data: Any) -> str:
-    dtype = getattr(data, "dtype", "")
-    return f"{type(data).__name__} of {dtype}" if dtype else type(data).__name__
 
 
 def is_sparse(data: object) -> bool:
@@ -215,8 +215,9 @@ def _narrow(values: np.ndarray) -> F32:
     with np.errstate(over="ignore"):
         narrow = np.asarray(values, np.float32) + np.float32(0)
     if np.isinf(narrow).any() and not np.array_equal(np.isinf(narrow), np.isinf(values)):
-        most = np.finfo(np.float32).max
-        raise ValueError(f"expected distances up to {most:.2g} or infinity, found larger ones")
+        raise ValueError(f"expected distances up to {_LARGEST:.2g} or infinity, found larger ones")
+    if largest_finite(narrow) < _SMALLEST and np.any(np.isfinite(values) & (values != 0)):
+        raise ValueError(f"expected distances of {_SMALLEST:.2g} and more, found smaller ones only")
     return np.asarray(narrow, np.float32)
 
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from roundelay.base.checks import as_numbers
 from roundelay.base.threads import one_thread
 from roundelay.topology.distances import (
     Metric,
-    as_numbers,
     check_distances,
     check_metric,
     check_points,
@@ -233,7 +233,8 @@ def _lengths(data: ArrayLike, metric: Metric) -> F32:
     lengths = _distances(data) if metric == "precomputed" else _between(check_points(data))
     if not lengths.any():
         raise ValueError(
-            f"all {len(lengths)} points are equal: there is no shape to find a loop in"
+            f"expected different points, found {len(lengths)} equal ones: "
+            "there is no shape to find a loop in"
         )
     return lengths
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from roundelay.base.checks import as_numbers, expected
 from roundelay.topology.distances import Runs
 from roundelay.topology.kernel.reduction import F64
 from roundelay.topology.rips import Barcode
@@ -35,7 +36,7 @@ def p_values(barcode: Barcode) -> F64:
     ValueError
         If the barcode holds only the longest bars.
     """
-    if not barcode.is_complete:
+    if not expected(Barcode, barcode).is_complete:
         raise ValueError("expected a barcode of all bars, found one of the longest only")
     if not len(barcode):
         return np.zeros(0)
@@ -73,7 +74,7 @@ def two_bar_ratio(barcode: Barcode) -> float:
 
     Near 1 the two may swap under small changes, and the coordinate with them.
     """
-    lengths = barcode.persistence
+    lengths = expected(Barcode, barcode).persistence
     if len(lengths) < 2 or np.isinf(lengths[0]):
         return float("inf") if len(lengths) else 0.0
     return float(lengths[0] / lengths[1])
@@ -94,7 +95,12 @@ def turns(phase: F64, runs: Runs) -> tuple[float, float]:
     net, total : float
         Turns forward minus backward, in cycles (the sign tells the direction), and their sum.
     """
-    steps = [np.diff(phase[start:stop]) for start, stop in runs]
+    values = np.asarray(as_numbers(phase, "a phase (n,)"), np.float64)
+    bounds = np.asarray(as_numbers(runs, "runs (start, stop)"))
+    if values.ndim != 1 or (bounds.size and (bounds.ndim != 2 or bounds.shape[1] != 2)):
+        found = f"{values.shape} and {bounds.shape}"
+        raise ValueError(f"expected a phase (n,) and runs (start, stop), found {found}")
+    steps = [np.diff(values[start:stop]) for start, stop in runs]
     moved = np.concatenate([np.zeros(0), *steps])
     moved -= np.round(moved)
     return float(moved.sum()), float(abs(moved).sum())

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from roundelay.base.checks import as_numbers
 from roundelay.base.threads import one_thread
 from roundelay.topology.coordinate import CircularCoordinate, Smoothing, Weights
 from roundelay.topology.kernel.reduction import F64, I64, count_up_to, ends
@@ -95,7 +96,11 @@ def combined_coordinates(
     ValueError
         If the rows do not have one coefficient a class, or the classes no scale in common.
     """
-    rows = np.asarray(coefficients, np.int64)
+    given = as_numbers(coefficients, "coefficients (r, c)")
+    if given.dtype.kind == "f" and not np.array_equal(given, np.trunc(given)):
+        raise ValueError("expected coefficients as whole numbers, found others")
+    with np.errstate(invalid="ignore"):
+        rows = np.asarray(given, np.int64)
     if rows.ndim != 2 or rows.shape[1] != len(classes):
         raise ValueError(f"expected {len(classes)} coefficients a row, found {rows.shape}")
     return _Span.of_classes(barcode, classes, scale, weights).combined(rows, landmarks)

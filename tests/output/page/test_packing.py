@@ -40,5 +40,13 @@ def test_decimals_come_back_exactly():
     packer = Packer()
     found, data = unpacked(packer.text({"a": packer.add_decimals(numbers, 3)}))
     assert np.array_equal(np.round(values(found["a"], data), 3), numbers)
-    with pytest.raises(ValueError, match="range"):
-        packer.add_decimals([[0.0], [1e5]], 3)
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-3, 5e4, 1e12])
+def test_wide_columns_have_fewer_decimals(size):
+    numbers = np.array([[0.0, -size, 0.5], [180.0, size, 0.125]])
+    for decimals in (3, 11):
+        packer = Packer()
+        found, data = unpacked(packer.text({"a": packer.add_decimals(numbers, decimals)}))
+        apart = abs(values(found["a"], data) - numbers)
+        assert np.all(apart <= np.maximum(10.0**-decimals, 1e-6 * abs(numbers).max(axis=0)))

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roundelay.base.checks import expected
+from roundelay.base.checks import all_expected, as_numbers, expected
 from roundelay.base.numeric import ROUNDING, SIX_DIGITS, smoothstep
 from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
@@ -57,9 +57,10 @@ class CycleSpace:
         SkeletonMismatch
             If their skeletons differ, naming the joints.
         """
+        cycles = all_expected(Cycle, cycles)
         if not cycles:
-            raise ValueError("expected at least one cycle")
-        first, *_ = [expected(Cycle, cycle) for cycle in cycles]
+            raise ValueError("expected at least one cycle, found none")
+        first = cycles[0]
         others = [align(first, other, by=by, mirror=mirror).cycle for other in cycles[1:]]
         return cls((first, *[_same_signs(first, other) for other in others]))
 
@@ -178,7 +179,7 @@ def _parameter(cycle: Cycle, by: str) -> float:
 
 
 def _checked(weights: ArrayLike, count: int) -> Array:
-    w = np.asarray(weights, float)
+    w = np.asarray(as_numbers(weights, "weights"), float)
     if w.shape != (count,):
         raise ValueError(f"expected {count} weights, found an array of shape {w.shape}")
     if not np.all(np.isfinite(w)) or np.any(w < 0.0):
@@ -275,6 +276,7 @@ def transition(
     SkeletonMismatch
         If the skeletons differ.
     """
+    first, second = expected(Cycle, first), expected(Cycle, second)
     if not (0.0 < seconds <= 60 and 0.0 <= before <= 3600 and 0.0 <= after <= 3600):
         raise ValueError(
             "expected no negative durations, a transition of up to 60 s and up to 3600 s before "

@@ -9,7 +9,7 @@ import numpy as np
 from roundelay.motion.motion import Motion
 from roundelay.output.figures.overview import barcode
 from roundelay.output.figures.palette import PALE, phase_colours
-from roundelay.output.figures.style import dress, new_figure
+from roundelay.output.figures.style import dress, headed, new_figure
 from roundelay.timeline.proposals.excitation import Excitation, Excitations
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def excitations(motion: Motion, found: Excitations, *, start: int = 0) -> Figure
         axes.tick_params(labelbottom=False)
     if not found.classes:
         dress(figure.add_subplot(grid[0, 1]), "no class stands out from noise")
-    figure.suptitle(motion.name)
+    headed(figure, motion.name)
     return figure
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from roundelay.motion.motion import Motion
 from roundelay.output.figures.overview import bar_colours, barcode, coordinate, new_figure
 from roundelay.output.figures.palette import ACCENT, INK, PALE
-from roundelay.output.figures.style import dress, given_or_new
+from roundelay.output.figures.style import dress, given_or_new, headed
 from roundelay.timeline.inspection import ClassFigures, Inspection
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def inspection(motion: Motion, found: list[Inspection]) -> Figure:
         for place, one in enumerate(item.classes):
             row, column = divmod(place, across)
             _one_class(figure.add_subplot(grid[top + row, 2 + column]), one, motion)
-    figure.suptitle(motion.name)
+    headed(figure, motion.name)
     return figure
 
 

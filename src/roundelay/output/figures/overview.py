@@ -12,7 +12,7 @@ from roundelay.base.threads import one_thread
 from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
 from roundelay.output.figures.palette import ACCENT, COMPANION, INK, PALE
-from roundelay.output.figures.style import dress, given_or_new, new_figure, phase_look, save
+from roundelay.output.figures.style import dress, given_or_new, headed, new_figure, phase_look, save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -139,5 +139,5 @@ def overview(motion: Motion, cycles: list[Cycle]) -> Figure:
             found = f"{cycle.evidence.repetitions:.2f} periods of {cycle.period:.2f} s"
             dress(row[1], f"circular coordinate: {found}", x="time (s)", y="turns")
         plane(cycle, motion, axes=row[2])
-    figure.suptitle(motion.name)
+    headed(figure, motion.name)
     return figure

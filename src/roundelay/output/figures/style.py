@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from roundelay.base.files import written_beside
+from roundelay.base.texts import shown
 from roundelay.output.figures.palette import MUTED, phase_colours
 
 if TYPE_CHECKING:
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.colors import ListedColormap
     from matplotlib.figure import Figure
 
-__all__ = ["dress", "given_or_new", "new_figure", "phase_look", "save"]
+__all__ = ["dress", "given_or_new", "headed", "new_figure", "phase_look", "save"]
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -49,6 +51,11 @@ def dress(axes: Axes, title: str = "", *, x: str = "", y: str = "") -> None:
         axes.set_yticks([])
 
 
+def headed(figure: Figure, name: str) -> None:
+    """Write a name above a figure as it is: signs in it are no formula."""
+    figure.suptitle(shown(name), parse_math=False)
+
+
 def phase_look() -> dict[str, Any]:
     """Return what makes ``scatter(..., c=phase)`` colour by phase as the page does."""
     from matplotlib.colors import ListedColormap
@@ -59,5 +66,7 @@ def phase_look() -> dict[str, Any]:
 
 def save(figure: Figure, path: Path, *, dpi: int = 90) -> None:
     """Write a figure in the format of the path's suffix, whole or not at all."""
-    with written_beside(path) as part:
+    with written_beside(path) as part, warnings.catch_warnings():
+        # Letters that no font has are drawn as boxes; nobody can do anything about it.
+        warnings.filterwarnings("ignore", r"Glyph .* missing from", UserWarning)
         figure.savefig(part, dpi=dpi)

@@ -8,7 +8,7 @@ import numpy as np
 
 from roundelay.output.figures.overview import new_figure
 from roundelay.output.figures.palette import ACCENT, INK, phase_colours
-from roundelay.output.figures.style import dress, given_or_new
+from roundelay.output.figures.style import dress, given_or_new, headed
 from roundelay.segmentation.result import Segment, Segmentation
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def timeline(found: Segmentation) -> Figure:
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1.0))
     method_curve(found, axes=above)
     behaviours(found, axes=below)
-    figure.suptitle(f"{found.source}: {len(found)} segments, {found.method}".lstrip(": "))
+    headed(figure, f"{found.source}: {len(found)} segments, {found.method}".lstrip(": "))
     return figure
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from roundelay.base.errors import NoPeriod
+from roundelay.base.texts import shown
 from roundelay.base.threads import one_thread
 from roundelay.base.version import __version__
 from roundelay.loops.recipe import Loop
@@ -49,7 +50,7 @@ def build_page(
     """
     packer, space = Packer(), Space.of(motion)
     document: dict[str, Any] = {
-        "name": motion.name or "capture",
+        "name": shown(motion.name) or "capture",
         "version": __version__,
         "colours": phase_colours(64),
         "segments": [] if segmentation is None else _segments(segmentation),
@@ -60,7 +61,7 @@ def build_page(
         document["motions"] = refusal_data(motion, refusal, packer)
     else:
         document["motions"] = [
-            loop_data(motion, loop, space, packer, file=_file_name(motion.name, number))
+            loop_data(motion, loop, space, packer, file=_file_name(shown(motion.name), number))
             for number, loop in enumerate(loops, 1)
         ]
     return bundle(document["name"], packer.text(document))

@@ -10,11 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.numeric import SMALLEST
+
 __all__ = ["Packer"]
 
 Array = NDArray[np.float64]
 
 _LEVELS = 65535
+# Levels that fit in 24 bits, with the one that rounding may add.
+_FINEST = 2.0**24 - 2.0
 
 
 class Packer:
@@ -52,16 +56,14 @@ class Packer:
     def add_decimals(self, values: ArrayLike, decimals: int) -> dict[str, Any]:
         """Add values (n, d) rounded to so many decimals, in 24 bits, and return the reference.
 
-        Raises
-        ------
-        ValueError
-            If a column's range does not fit.
+        A column whose range is too wide for that has fewer decimals.
         """
-        levels = np.round(np.asarray(values, float) * 10.0**decimals)
-        low = levels.min(axis=0)
-        if np.any(levels - low >= 2**24):
-            raise ValueError(f"expected a range of less than {2**24 / 10**decimals:g}")
-        step = np.full_like(low, 10.0**-decimals)
+        table = np.asarray(values, float)
+        width = np.maximum(np.ptp(table, axis=0), SMALLEST)
+        fitting = np.floor(np.log10(_FINEST / width))
+        power = 10.0 ** np.minimum(decimals, fitting)
+        levels = np.round(table * power)
+        low, step = levels.min(axis=0), 1.0 / power
         return self._referenced(levels - low, low * step, step, planes=3)
 
     def _referenced(self, levels: Array, low: Array, step: Array, *, planes: int) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from roundelay.topology.kernel.reduction import (
     F64,
     I32,
     I64,
+    LARGEST_VALUE,
     U64,
     Columns,
     Reduction,
@@ -22,7 +23,11 @@ __all__ = ["Compiled"]
 
 _INT, _DOUBLE, _FLOAT, _POINTER = ctypes.c_int64, ctypes.c_double, ctypes.c_float, ctypes.c_void_p
 
+_FOLDER = Path(__file__).parent
+_INTERFACE = 2
+"""The number of the interface, as kernel.h has it."""
 _SIGNATURES = {
+    "interface": (ctypes.c_int32, ()),
     "distances": (None, (_POINTER, _INT, _POINTER, _INT, _INT, ctypes.c_int, _POINTER)),
     "rips_run": (
         _POINTER,
@@ -41,17 +46,28 @@ _SIGNATURES = {
 
 
 def _load() -> ctypes.CDLL:
-    folder = Path(__file__).parent
     found = sorted(
-        path for path in folder.glob("_kernel*") if path.suffix in {".so", ".dll", ".dylib"}
+        path for path in _FOLDER.glob("_kernel*") if path.suffix in {".so", ".dll", ".dylib"}
     )
     if not found:
-        raise FileNotFoundError(f"no binary in {folder}")
+        raise FileNotFoundError(f"no binary in {_FOLDER}")
     library = ctypes.CDLL(str(found[0]))
+    number = _interface(library)
+    if number != _INTERFACE:
+        told = f"a kernel with interface {_INTERFACE}, found {number} in {found[0]}"
+        raise OSError(f"expected {told}; install roundelay again")
     for name, (result, arguments) in _SIGNATURES.items():
         function = getattr(library, f"roundelay_{name}")
         function.restype, function.argtypes = result, arguments
     return library
+
+
+def _interface(library: ctypes.CDLL) -> int:
+    """Return the number of a binary's interface; 1 for those from before it had one."""
+    try:
+        return int(library.roundelay_interface())
+    except AttributeError:
+        return 1
 
 
 def _padded(x: F32) -> F32:
@@ -101,9 +117,11 @@ class Compiled:
             self._library.roundelay_rips_free(state)
 
     def _read(self, state: int, keys: np.ndarray, fill: np.ndarray) -> Reduction:
-        sizes = np.empty(7, np.int64)
+        sizes = np.empty(8, np.int64)
         self._library.roundelay_rips_sizes(state, sizes.ctypes.data)
-        processed, merged, born, *shapes = sizes.tolist()
+        processed, merged, born, *shapes, out_of_range = sizes.tolist()
+        if out_of_range:
+            raise OverflowError("coefficients of a relation leave the range of 64 bits")
         merges, births = np.empty(merged, np.float32), np.empty(born, np.uint64)
         deaths, killer = np.empty(born, np.float32), np.empty(born, np.int64)
         self._library.roundelay_rips_bars(
@@ -132,6 +150,8 @@ class Compiled:
         """Extend a cocycle from the births to the first edges."""
         n = len(reduced.fill)
         values = np.empty(count, np.int32)
+        if not modulus and abs(on_births).max(initial=0) > LARGEST_VALUE:
+            raise OverflowError("values of the cocycle leave the range of 15 bits")
         given = np.ascontiguousarray(on_births, np.int32)
         done = self._library.roundelay_propagate(
             reduced.keys.ctypes.data, count, reduced.fill.ctypes.data, n,

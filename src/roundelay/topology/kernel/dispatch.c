@@ -29,14 +29,16 @@ EXPORT rips *roundelay_rips_run(const float *lengths, int64_t n, const uint16_t 
 
 EXPORT void roundelay_rips_free(rips *state) { kernel()->free(state); }
 
+EXPORT int32_t roundelay_interface(void) { return INTERFACE; }
+
 /* sizes: edges processed, merges, births, relations and their entries, reduced columns and
- * their entries. */
-EXPORT void roundelay_rips_sizes(const rips *state, int64_t sizes[7])
+ * their entries, and whether a coefficient left the range of 64 bits. */
+EXPORT void roundelay_rips_sizes(const rips *state, int64_t sizes[8])
 {
-    const int64_t all[7] = {state->processed,         state->merged,
+    const int64_t all[8] = {state->processed,         state->merged,
                             state->born,              state->relations.count,
                             state->relations.entries, state->reduced.count,
-                            state->reduced.entries};
+                            state->reduced.entries,   state->failed == OUT_OF_RANGE};
     memcpy(sizes, all, sizeof all);
 }
 

@@ -34,6 +34,13 @@
 #define VARIANT(name) name
 #endif
 
+/* The number of the interface: raised with every change of a function or of what it does, so that
+ * a binary of another version is noticed. The same number stands in compiled.py. */
+#define INTERFACE 2
+
+/* Why a run failed. */
+enum { WHOLE = 0, OUT_OF_MEMORY = 1, OUT_OF_RANGE = 2 };
+
 #define NO_VERTEX 0xFFFFu /* fill of an edge whose lune was empty */
 
 typedef struct rips rips;

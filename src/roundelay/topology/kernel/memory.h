@@ -13,7 +13,7 @@ static int grow(rips *state, void *array, int64_t *room, int64_t need, size_t si
     const int64_t wider = need > 2 * *room ? need + 16 : 2 * *room;
     void *moved = realloc(*data, (size_t)wider * size);
     if (!moved) {
-        state->failed = 1;
+        state->failed = OUT_OF_MEMORY;
         return 0;
     }
     memset((char *)moved + (size_t)*room * size, 0, (size_t)(wider - *room) * size);

@@ -15,6 +15,7 @@ __all__ = [
     "F64",
     "I32",
     "I64",
+    "LARGEST_VALUE",
     "NO_VERTEX",
     "U16",
     "U64",
@@ -35,6 +36,8 @@ I64 = NDArray[np.int64]
 U16 = NDArray[np.uint16]
 U64 = NDArray[np.uint64]
 
+LARGEST_VALUE = 32767
+"""No value of an integer cocycle is larger: a table holds them in 16 bits."""
 NO_VERTEX = 0xFFFF
 """Fill of an edge whose lune was empty."""
 

@@ -52,6 +52,16 @@ static int32_t birth_number(const rips *state, uint64_t key)
     return low < state->born && state->births[low] == key ? (int32_t)low : -1;
 }
 
+/* Add to a coefficient; a sum that 64 bits do not hold ends the run. */
+static void add_checked(rips *state, int64_t *sum, int64_t more)
+{
+    /* The least number has no negative: it is left out. */
+    if (more > 0 ? *sum > INT64_MAX - more : *sum < -INT64_MAX - more)
+        state->failed = OUT_OF_RANGE;
+    else
+        *sum += more;
+}
+
 /* Empty the heap into a new column of births, youngest first; 0 if they cancel. */
 static int expand(rips *state, float time)
 {
@@ -59,7 +69,7 @@ static int expand(rips *state, float time)
     while (state->heap_size && !state->failed) {
         term top = pop_term(state);
         while (state->heap_size && state->heap[0].key == top.key)
-            top.coefficient += pop_term(state).coefficient;
+            add_checked(state, &top.coefficient, pop_term(state).coefficient);
         if (!top.coefficient) continue;
         const uint32_t low = key_low(top.key), high = key_high(top.key);
         const uint32_t through = state->fill[low * state->n + high];

@@ -163,7 +163,8 @@ static void run_buckets(rips *state, buckets *all, float limit, uint64_t *keys)
 /* lengths (n, n), upper triangle; label (n): any numbering of the bits, best one in which
  * near points are far apart; keys with room for every edge, ascending on return up to
  * state->processed, the last death if no class outlives the run; fill (n, n). wanted > 0 stops
- * once that many longest bars are settled. NULL when memory runs out. */
+ * once that many longest bars are settled. NULL when memory runs out; a coefficient out of range
+ * is noted in the state. */
 rips *VARIANT(rips_run)(const float *lengths, int64_t n, const uint16_t *label, float limit,
                         uint32_t prime, int64_t wanted, uint64_t *keys, uint16_t *fill)
 {
@@ -172,11 +173,11 @@ rips *VARIANT(rips_run)(const float *lengths, int64_t n, const uint16_t *label, 
     if (!state) return NULL;
     state->prime = prime;
     state->fill = fill;
-    if (!state->failed) state->failed = !lay_out(&all, lengths, n, limit);
+    if (!state->failed) state->failed = lay_out(&all, lengths, n, limit) ? WHOLE : OUT_OF_MEMORY;
     if (!state->failed) run_buckets(state, &all, limit, keys);
     if (!any_alive(state)) state->processed = state->ended;
     free_buckets(&all);
-    if (!state->failed) return state;
+    if (state->failed != OUT_OF_MEMORY) return state;
     VARIANT(rips_free)(state);
     return NULL;
 }

@@ -45,7 +45,7 @@ struct rips {
     int64_t row_room, marks_room;
     float *longest;           /* (wanted): the longest lives so far, descending */
     int64_t wanted;
-    int failed;
+    int failed;               /* WHOLE, or why not */
 };
 
 #endif

@@ -12,6 +12,7 @@ from roundelay.topology.kernel.reduction import (
     F64,
     I32,
     I64,
+    LARGEST_VALUE,
     NO_VERTEX,
     U64,
     Reduction,
@@ -22,7 +23,6 @@ from roundelay.topology.kernel.twin_rips import Run
 __all__ = ["Twin"]
 
 _LANES = 16
-_LARGEST = 32767
 
 
 class Twin:
@@ -83,7 +83,7 @@ class _Table:
         return cls(np.zeros((n, n), np.int64), np.eye(n, dtype=bool), modulus)
 
     def store(self, i: NDArray[np.intp], j: NDArray[np.intp], value: I64) -> None:
-        if not self.modulus and abs(value).max(initial=0) > _LARGEST:
+        if not self.modulus and abs(value).max(initial=0) > LARGEST_VALUE:
             raise OverflowError("values of the cocycle leave the range of 15 bits")
         self.values[i, j] = value % self.modulus if self.modulus else value
         self.values[j, i] = -self.values[i, j]

@@ -1,0 +1,270 @@
+"""Files by a grammar: mostly as programs write them, here and there as none does."""
+
+from __future__ import annotations
+
+import base64
+import json
+import random
+import struct
+from typing import Any
+
+__all__ = ["FORMATS", "Files", "made"]
+
+Files = dict[str, bytes]
+"""The files of a capture by their names; the first one is read."""
+
+_WORDS = [
+    "nan",
+    "inf",
+    "-inf",
+    "1e999",
+    "1_0",
+    "0x1F",
+    "--",
+    "+",
+    ".",
+    "-",
+    "1.",
+    ".5",
+    "-.5",
+    "+3",
+    "1e5",
+    "1E-5",
+    "1e-320",
+    "9e99",
+    "1e13",
+    "99999999999999999",
+    "{",
+    "}",
+    "JOINT",
+    "ROOT",
+    "End",
+    "Site",
+    "OFFSET",
+    "CHANNELS",
+    "MOTION",
+    "Frames:",
+    "Frame",
+    "Time:",
+    "//",
+    "#",
+    "begin",
+    "end",
+    "root",
+    "dof",
+]
+_NAMES = ["Hips", "left leg", "é", "a:b", "x#y", "=1", "歩", "\x1b[1m", "\u202e", "n" * 300, "Site"]
+_AXES = ("X", "Y", "Z")
+_BLANKS = (" ", "  ", "\t", "\n", "\r\n", " # note\n")
+
+
+class _Chance(random.Random):
+    """Random choices, some of which are wild."""
+
+    wild = 0.0
+
+    def is_wild(self) -> bool:
+        return self.random() < self.wild
+
+    def number(self, size: float = 100.0) -> str:
+        if self.is_wild():
+            return self.choice(_WORDS)
+        value = self.uniform(-size, size)
+        return self.choice((f"{value:.4f}", f"{value:g}", f"{value:.0f}", "0", f"{value:e}"))
+
+    def numbers(self, count: int, size: float = 100.0) -> str:
+        count += self.choice((-1, 1)) if self.is_wild() else 0
+        return " ".join(self.number(size) for _ in range(max(0, count)))
+
+    def name(self, number: int) -> str:
+        return self.choice(_NAMES) if self.is_wild() else f"joint{number}"
+
+    def word(self, word: str) -> str:
+        if self.is_wild():
+            return self.choice((word.lower(), word[:-1], word * 2, "", self.choice(_WORDS)))
+        return word
+
+    def count(self, number: int) -> int:
+        return max(0, number + self.choice((-1, 1, 1000, 10**12))) if self.is_wild() else number
+
+    def blank(self) -> str:
+        return self.choice(_BLANKS) if self.is_wild() else "\n"
+
+    def tree(self, most: int) -> list[int]:
+        """Parents of joints, each before its children."""
+        return [-1] + [self.randrange(joint) for joint in range(1, self.randint(1, most))]
+
+
+def made(kind: str, seed: int) -> Files:
+    """Make the files of a capture of a format: the same for the same seed."""
+    chance = _Chance(f"{kind} {seed}")
+    # Half of all files are as they should be, so that readers get to their ends.
+    chance.wild = chance.choice((0.0, 0.0, 0.002, 0.02))
+    return FORMATS[kind](chance)
+
+
+def _bvh(chance: _Chance) -> Files:
+    parents = chance.tree(6)
+    channels: list[int] = []
+    pieces = [chance.word("HIERARCHY"), chance.blank(), _joint(chance, 0, parents, channels)]
+    frames, width = chance.randint(1, 12), sum(channels)
+    pieces += [chance.word("MOTION"), chance.blank()]
+    pieces.append(f"{chance.word('Frames:')} {chance.count(frames)}{chance.blank()}")
+    time = chance.choice(("0.0083333", "0.04", "1", "1e-3"))
+    time = chance.number() if chance.is_wild() else time
+    pieces.append(f"{chance.word('Frame Time:')} {time}{chance.blank()}")
+    pieces += [chance.numbers(width) + chance.blank() for _ in range(frames)]
+    return {"a.bvh": _encoded(chance, "".join(pieces))}
+
+
+def _joint(chance: _Chance, joint: int, parents: list[int], channels: list[int]) -> str:
+    kind = chance.word("JOINT" if joint else "ROOT")
+    pieces = [f"{kind} {chance.name(joint)}{chance.blank()}{{{chance.blank()}"]
+    pieces.append(f"{chance.word('OFFSET')} {chance.numbers(3, 20.0)}{chance.blank()}")
+    own = chance.sample(_AXES, 3) if chance.random() < 0.9 else chance.choices(_AXES, k=2)
+    words = [f"{axis}rotation" for axis in own]
+    if not joint or chance.random() < 0.1:
+        words = [f"{axis}position" for axis in _AXES] + words
+    channels.append(len(words))
+    told = " ".join(map(chance.word, words))
+    count = chance.count(len(words))
+    pieces.append(f"{chance.word('CHANNELS')} {count} {told}{chance.blank()}")
+    children = [child for child, parent in enumerate(parents) if parent == joint and child]
+    pieces += [_joint(chance, child, parents, channels) for child in children]
+    if not children:
+        end = chance.numbers(3, 20.0)
+        pieces.append(f"{chance.word('End Site')} {{ {chance.word('OFFSET')} {end} }}\n")
+    return "".join([*pieces, "}", chance.blank()])
+
+
+def _encoded(chance: _Chance, text: str) -> bytes:
+    data = text.encode("utf-8", "surrogatepass")
+    if chance.is_wild():
+        data = chance.choice(
+            (b"\xef\xbb\xbf" + data, text.encode("utf-16"), data + b"\x00", data[:-9])
+        )
+    return data
+
+
+def _acclaim(chance: _Chance) -> Files:
+    parents = chance.tree(6)
+    dofs = [chance.sample(("rx", "ry", "rz"), chance.randint(0, 3)) for _ in parents]
+    names = ["root", *(chance.name(joint) for joint in range(1, len(parents)))]
+    asf = _asf(chance, parents, names, dofs)
+    lines = [chance.word(":FULLY-SPECIFIED"), chance.word(":DEGREES")]
+    for frame in range(chance.randint(1, 9)):
+        lines += [str(chance.count(frame + 1)), f"root {chance.numbers(6)}"]
+        lines += [
+            f"{name} {chance.numbers(len(dof))}"
+            for name, dof in zip(names[1:], dofs[1:], strict=True)
+            if dof
+        ]
+    amc = chance.blank().join(lines) if chance.is_wild() else "\n".join(lines)
+    return {"a.amc": _encoded(chance, amc + "\n"), "a.asf": _encoded(chance, asf)}
+
+
+def _asf(chance: _Chance, parents: list[int], names: list[str], dofs: list[list[str]]) -> str:
+    word = chance.word
+    lines = [word(":version") + " 1.10", word(":units"), "mass 1.0", f"length {chance.number(1.0)}"]
+    lines = [*lines[:3], "length 0.45" if chance.random() < 0.9 else lines[3], "angle deg"]
+    lines += [word(":root"), "order TX TY TZ RX RY RZ", "axis XYZ", f"position {chance.numbers(3)}"]
+    lines += ["orientation 0 0 0", word(":bonedata")]
+    for joint, name in list(enumerate(names))[1:]:
+        lines += [word("begin"), f"id {chance.count(joint)}", f"name {name}"]
+        lines += [
+            f"direction {chance.numbers(3, 1.0)}",
+            f"length {abs(chance.uniform(0.1, 9)):.3f}",
+        ]
+        lines.append(f"axis {chance.numbers(3)} {chance.choice(('XYZ', 'ZYX'))}")
+        if dofs[joint]:
+            lines.append(f"dof {' '.join(dofs[joint])}")
+            lines += ["limits (-180 180)", *["(-180 180)"] * (len(dofs[joint]) - 1)]
+        lines.append(word("end"))
+    lines += [word(":hierarchy"), word("begin")]
+    for parent, name in enumerate(names):
+        children = [
+            names[child] for child, above in enumerate(parents) if above == parent and child
+        ]
+        lines += [f"{name} {' '.join(children)}"] if children else []
+    return "\n".join([*lines, word("end")]) + "\n"
+
+
+def _document(chance: _Chance) -> tuple[dict[str, Any], bytes]:
+    """Return a glTF and its buffer."""
+    parents, frames = chance.tree(6), chance.randint(1, 9)
+    nodes: list[dict[str, Any]] = [
+        {"name": chance.name(joint), "translation": _vector(chance, 3)}
+        for joint in range(len(parents))
+    ]
+    for joint, parent in enumerate(parents[1:], 1):
+        nodes[parent].setdefault("children", []).append(chance.count(joint))
+    data, views, accessors = bytearray(), list[dict[str, Any]](), list[dict[str, Any]]()
+
+    def accessor(values: list[list[float]], kind: str) -> int:
+        views.append(
+            {"buffer": 0, "byteOffset": len(data), "byteLength": 4 * len(values) * len(values[0])}
+        )
+        data.extend(
+            struct.pack(f"<{len(values) * len(values[0])}f", *(x for row in values for x in row))
+        )
+        told = {"bufferView": len(views) - 1, "componentType": 5126, "type": kind}
+        accessors.append(told | {"count": chance.count(len(values))})
+        return len(accessors) - 1
+
+    times = accessor([[0.04 * frame] for frame in range(frames)], "SCALAR")
+    samplers, channels = list[dict[str, Any]](), list[dict[str, Any]]()
+    for joint in range(len(parents)):
+        path = "translation" if chance.random() < 0.2 else "rotation"
+        turned = path == "rotation"
+        values = [_unit(chance) if turned else _vector(chance, 3) for _ in range(frames)]
+        output = accessor(values, "VEC4" if turned else "VEC3")
+        mode = chance.choice(("LINEAR", "STEP", "CUBIC", 3)) if chance.is_wild() else "LINEAR"
+        samplers.append({"input": times, "output": output, "interpolation": mode})
+        target = {"node": chance.count(joint), "path": chance.word(path)}
+        channels.append({"sampler": len(samplers) - 1, "target": target})
+    document: dict[str, Any] = {
+        "asset": {"version": chance.word("2.0")},
+        "scenes": [{"nodes": [0]}],
+        "nodes": nodes,
+        "animations": [{"channels": channels, "samplers": samplers}],
+        "bufferViews": views,
+        "accessors": accessors,
+        "buffers": [{"byteLength": chance.count(len(data))}],
+    }
+    if chance.random() < 0.5:
+        document["skins"] = [{"joints": list(range(len(parents)))}]
+    if chance.is_wild():
+        del document[chance.choice(sorted(document))]
+    return document, bytes(data)
+
+
+def _vector(chance: _Chance, count: int) -> list[float]:
+    large = chance.choice((1e30, 1e-30, 1e12)) if chance.is_wild() else 1.0
+    return [chance.uniform(-2.0, 2.0) * large for _ in range(count)]
+
+
+def _unit(chance: _Chance) -> list[float]:
+    values = [chance.gauss(0.0, 1.0) for _ in range(4)]
+    length = 0.0 if chance.is_wild() else sum(x * x for x in values) ** 0.5
+    return [x / length if length else 0.0 for x in values]
+
+
+def _gltf(chance: _Chance) -> Files:
+    document, data = _document(chance)
+    for buffer in document.get("buffers", ()):
+        buffer["uri"] = f"data:application/octet-stream;base64,{base64.b64encode(data).decode()}"
+    return {"a.gltf": _encoded(chance, json.dumps(document))}
+
+
+def _glb(chance: _Chance) -> Files:
+    document, data = _document(chance)
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    whole = 28 + len(text) + len(data)
+    pieces = [b"glTF", struct.pack("<II", 2, chance.count(whole) & 0xFFFFFFFF)]
+    pieces += [struct.pack("<I", chance.count(len(text)) & 0xFFFFFFFF), b"JSON", text]
+    return {"a.glb": b"".join([*pieces, struct.pack("<I", len(data)), b"BIN\x00", data])}
+
+
+FORMATS = {"bvh": _bvh, "amc": _acclaim, "gltf": _gltf, "glb": _glb}
+"""What makes the files of each format."""

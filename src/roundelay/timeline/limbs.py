@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from roundelay.geometry.kinematics import forward_kinematics, heading
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses, bridged, point_indices, principal_components
-from roundelay.timeline.thresholds import LIMBS, SEARCH
+from roundelay.timeline.thresholds import LIMBS, PREDICTION, SEARCH
 
 __all__ = ["Body", "Limb", "body_of"]
 
@@ -80,6 +81,7 @@ class Body:
     step: int
     names: tuple[str, ...] = field(repr=False)
     n_frames: int
+    _axes: dict[str, Array] = field(default_factory=dict, init=False, repr=False)
 
     def __len__(self) -> int:
         return len(self.signals)
@@ -105,13 +107,35 @@ class Body:
                 groups[name] = members
         return groups
 
-    def signals_of(self, claimed: NDArray[np.bool_]) -> Array:
-        """Return the signals (n, d) of some limbs (L,)."""
-        return self.signals[:, self.columns(tuple(np.flatnonzero(claimed).tolist()))]
+    def columns_of(self, claimed: NDArray[np.bool_]) -> NDArray[np.intp]:
+        """Return the columns of some limbs (L,)."""
+        return self.columns(tuple(np.flatnonzero(claimed).tolist()))
 
-    def seen_of(self, claimed: NDArray[np.bool_]) -> Array:
-        """Return the joints (n, 3 J) of some limbs (L,) as one sees them; see `seen`."""
-        return self.seen[:, self.joints(claimed)].reshape(len(self), -1).astype(float)
+    def axes_of(self, group: str) -> Array:
+        """Return the principal axes (n, k) of a group of limbs."""
+        if group not in self._axes:
+            own = self.signals[:, self.columns(self.groups()[group])]
+            self._axes[group] = principal_components(own, PREDICTION.held)[:, : PREDICTION.axes]
+        return self._axes[group]
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariances (d, d) of the signals."""
+        centred = self.signals - self.signals.mean(axis=0)
+        return np.asarray(centred.T @ centred / len(self))
+
+    @cached_property
+    def changes(self) -> Array:
+        """Mean squared changes (d,) of the signals from sample to sample."""
+        return np.asarray(np.mean(np.diff(self.signals, axis=0) ** 2, axis=0))
+
+    def seen_of(
+        self, claimed: NDArray[np.bool_], runs: Sequence[tuple[float, float]]
+    ) -> list[Array]:
+        """Return the joints (n, 3 J) of some limbs (L,) as one sees them in each of some runs."""
+        joints = self.joints(claimed)
+        found = (self.seen[max(0, int(a)) : int(np.ceil(b)), joints] for a, b in runs)
+        return [own.reshape(len(own), -1).astype(float) for own in found]
 
     def joints(self, claimed: NDArray[np.bool_]) -> list[int]:
         """Return the joints of some limbs (L,)."""

@@ -257,19 +257,25 @@ def _traced(
     return states
 
 
+# Of equal ways, the usual tempo, then the nearest to it.
+_STEPS = np.array([2, 1, 3, 0, 4])
+# The states before each, the last being none.
+_SOURCES = (np.arange(ALIGNMENT.states + 1)[:, None] - _STEPS) % ALIGNMENT.states
+
+
 def _before(
     state: NDArray[np.intp], best: Costs, none: Costs, left: NDArray[np.bool_]
 ) -> NDArray[np.intp]:
     """Return the states (n,) one sample earlier on the best paths."""
-    # Of equal ways, the usual tempo, then the nearest to it.
-    steps, every = np.array([2, 1, 3, 0, 4]), np.arange(len(state))
-    source = (state[:, None] - steps) % ALIGNMENT.states
-    costs = best[every[:, None], source] + np.array(ALIGNMENT.tempo, np.float32)[steps]
-    choice = costs.argmin(axis=1)
-    found = np.where(none + _enter() < costs[every, choice], -1, source[every, choice])
-    found[state < 0] = -1
-    leaving = np.flatnonzero((state < 0) & left)
-    found[leaving] = best[leaving].argmin(axis=1)
+    source = _SOURCES[state]
+    rows = np.arange(0, best.size, ALIGNMENT.states)[:, None]
+    costs = best.ravel().take(source + rows)
+    costs += np.array(ALIGNMENT.tempo, np.float32)[_STEPS]
+    found = source[np.arange(len(state)), costs.argmin(axis=1)]
+    found[none + _enter() < costs.min(axis=1)] = -1
+    off = state < 0
+    if off.any():
+        found[off] = np.where(left[off], best[off].argmin(axis=1), -1)
     return found
 
 

@@ -192,7 +192,9 @@ def _stretch(signal: Array, candidate: Candidate) -> Stretch:
 
 def _predicted(body: Body, candidate: Candidate, stretch: Stretch, aligned: Aligned) -> Predicted:
     own = stretch.values
-    explained, seen, again, each = _left_out(_at(own, aligned.times, stretch))
+    values = taken_at(own, (aligned.times - stretch.first) / stretch.step)
+    left = _left_out(values, [slice(None)])
+    explained, each = left.scores([0])
     inside = np.concatenate([own[run] for run in aligned.runs.slices()])
     centred = inside - inside.mean(axis=0)
     steps = np.concatenate([np.diff(own[run], axis=0) for run in aligned.runs.slices()])
@@ -204,18 +206,19 @@ def _predicted(body: Body, candidate: Candidate, stretch: Stretch, aligned: Alig
         (stretch.first + stretch.step * a, stretch.first + stretch.step * b)
         for a, b in aligned.runs
     ]
-    limbs, amplitudes, limb_each = _by_limb(body, taken_at(body.signals, aligned.times))
+    taken = taken_at(body.signals, aligned.times)
+    limbs, amplitudes, limb_each = _by_limb(body, taken, _limbs_left_out(body, taken))
     return Predicted(
         candidate,
         aligned.times,
         tuple(ends),
         stretch.step * _return_time(aligned),
         float(sum(turns)),
-        seen,
-        again,
+        left.seen,
+        left.again,
         explained,
         each,
-        again * dimension(centred.T @ centred) / (np.pi * slowness),
+        left.again * dimension(centred.T @ centred) / (np.pi * slowness),
         slowness,
         limbs,
         amplitudes,
@@ -228,57 +231,77 @@ def _repeating(limbs: Array, amplitudes: Array) -> NDArray[np.bool_]:
     return (limbs >= PREDICTION.repeats) & (amplitudes >= PREDICTABILITY.least)
 
 
-def _at(values: Array, times: Array, stretch: Stretch) -> Array:
-    return taken_at(values, (times - stretch.first) / stretch.step)
+@dataclass(frozen=True, eq=False)
+class _LeftOut:
+    """What the other repetitions leave of each at the same phase, part by part of the signals.
+
+    Attributes
+    ----------
+    seen : float
+        Periods that could be predicted.
+    again : float
+        Periods seen again.
+    error, spread : (P, R) ndarray
+        Squared differences of every part in every repetition from the mean of the others, and
+        from that of all.
+    floor : (R,) ndarray
+        Those that count as none.
+    """
+
+    seen: float
+    again: float
+    error: Array
+    spread: Array
+    floor: Array
+
+    def scores(self, parts: Sequence[int]) -> tuple[float, Array]:
+        """Return R^2 of some parts together, and of every repetition (R,).
+
+        It is -1 if nothing could be predicted, and then 0 of each.
+        """
+        if not self.seen:
+            return -1.0, np.zeros(len(self.floor))
+        rows = list(parts)
+        error, spread = (own[rows].sum(axis=0) + self.floor for own in (self.error, self.spread))
+        total = max(float(spread.sum()), TINY)
+        return 1.0 - float(error.sum()) / total, 1.0 - error / np.maximum(spread, TINY)
 
 
-def _by_limb(body: Body, values: Array) -> tuple[Array, Array, Array]:
-    """Return R^2 (L,), amplitude (L,) and R^2 of every repetition (L, R) of every limb."""
-    explained, amplitudes, each = [], [], []
-    for limb in body.limbs:
-        own = values[:, :, slice(*limb.columns)]
-        limb_explained, _, _, limb_each = _left_out(own)
-        explained.append(limb_explained)
-        each.append(limb_each)
-        amplitudes.append(np.sqrt(np.nansum(np.nanvar(own.reshape(-1, own.shape[2]), axis=0))))
-    return np.array(explained), np.array(amplitudes), np.array(each)
-
-
-def _left_out(values: Array) -> tuple[float, float, float, Array]:
+def _left_out(values: Array, parts: Sequence[slice]) -> _LeftOut:
     """Predict every repetition by the mean of the others at the same phase.
 
     Parameters
     ----------
     values : (R, 48, d) ndarray
         NaN where a repetition does not pass a phase.
-
-    Returns
-    -------
-    explained : float
-        R^2 over all that could be predicted; -1 if nothing could.
-    seen : float
-        Periods that could be predicted.
-    again : float
-        Periods seen again.
-    each : (R,) ndarray
-        R^2 of every repetition.
+    parts : sequence of slice
+        Columns.
     """
     passed = np.isfinite(values[:, :, 0])
     x = np.where(passed[:, :, None], values, 0.0)
     count = passed.sum(axis=0)
     used = passed & (count >= 2)
-    if not used.any():
-        return -1.0, 0.0, 0.0, np.zeros(len(values))
     others = (x.sum(axis=0) - x) / np.maximum(count - 1, 1)[:, None]
-    error = np.sum(np.sum((x - others) ** 2, axis=2) * used, axis=1)
-    mean = np.sum(x * used[:, :, None], axis=(0, 1)) / used.sum()
-    spread = np.sum(np.sum((x - mean) ** 2, axis=2) * used, axis=1)
-    floor = PREDICTABILITY.least**2 * used.sum(axis=1)
-    total = max(float((spread + floor).sum()), TINY)
-    each = 1.0 - (error + floor) / np.maximum(spread + floor, TINY)
-    explained = 1.0 - float((error + floor).sum()) / total
+    mean = np.sum(x * used[:, :, None], axis=(0, 1)) / max(used.sum(), 1)
+    error, spread = (
+        np.array([np.sum(np.sum(apart[:, :, own], axis=2) * used, axis=1) for own in parts])
+        for apart in ((x - others) ** 2, (x - mean) ** 2)
+    )
     again = float(np.maximum(count - 1, 0).sum() / ALIGNMENT.grid)
-    return explained, float(used.sum() / ALIGNMENT.grid), again, each
+    floor = PREDICTABILITY.least**2 * used.sum(axis=1)
+    return _LeftOut(float(used.sum() / ALIGNMENT.grid), again, error, spread, floor)
+
+
+def _limbs_left_out(body: Body, values: Array) -> _LeftOut:
+    return _left_out(values, [slice(*limb.columns) for limb in body.limbs])
+
+
+def _by_limb(body: Body, values: Array, left: _LeftOut) -> tuple[Array, Array, Array]:
+    """Return R^2 (L,), amplitude (L,) and R^2 of every repetition (L, R) of every limb."""
+    explained, each = zip(*(left.scores([place]) for place in range(len(body.limbs))), strict=True)
+    power = np.var(values[np.isfinite(values[:, :, 0])], axis=0)
+    amplitudes = [np.sqrt(np.nansum(power[slice(*limb.columns)])) for limb in body.limbs]
+    return np.array(explained), np.array(amplitudes), np.array(each)
 
 
 def dimension(covariance: Array) -> float:
@@ -323,18 +346,19 @@ def within(body: Body, one: Predicted, runs: Sequence[tuple[float, float]]) -> P
         return None
     members = body.groups()[one.candidate.group]
     values = taken_at(body.signals, times)
-    explained, seen, again, each = _left_out(values[:, :, body.columns(members)])
-    limbs, amplitudes, limb_each = _by_limb(body, values)
+    left = _limbs_left_out(body, values)
+    explained, each = left.scores(members)
+    limbs, amplitudes, limb_each = _by_limb(body, values, left)
     return replace(
         one,
         times=times,
         runs=tuple(runs),
         repetitions=float(np.isfinite(times).sum() / ALIGNMENT.grid),
-        seen=seen,
-        again=again,
+        seen=left.seen,
+        again=left.again,
         explained=explained,
         each=each,
-        numbers=one.numbers * again / max(one.again, ROUNDING),
+        numbers=one.numbers * left.again / max(one.again, ROUNDING),
         limbs=limbs,
         amplitudes=amplitudes,
         limb_each=limb_each,

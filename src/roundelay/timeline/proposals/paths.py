@@ -81,9 +81,10 @@ class _Ways:
         """Return the path (hops, groups) that all ways have in common, and its S; forget it."""
         groups, count = self._values.shape[1:]
         lag, hop = np.tile(np.arange(-1, count), (groups, 1)), len(self) - 1
+        turns = _turns(self._best, self._none)
         while hop and (lag != lag[:, :1]).any():
             hop -= 1
-            lag = _before(lag, self._best[hop], self._none[hop])
+            lag = _before(lag, self._best[hop], *(own[hop] for own in turns))
         if (lag != lag[:, :1]).any():
             return np.zeros((0, groups), np.intp), self._values[:0, :, 0]
         found = self._path(lag[:, :1], hop)
@@ -95,19 +96,20 @@ class _Ways:
     def ended(self) -> tuple[Paths, Values]:
         """Return the path (hops, groups) of the best way of all, and its S."""
         best = self._best[-1]
-        top = np.where(best.max(axis=1) > self._none[-1], _top(best), -1)
-        return self._path(top[:, None], len(self) - 1)
+        top = best.argmax(axis=1) - PREDICTABILITY.reach
+        lag = np.where(best.max(axis=1) > self._none[-1], top, -1)
+        return self._path(lag[:, None], len(self) - 1)
 
     def _path(self, lag: Paths, last: int) -> tuple[Paths, Values]:
         """Follow the way back from the lag (groups, 1) of a hop."""
-        path = np.empty((last + 1, len(lag)), np.intp)
-        path[last] = lag[:, 0]
+        path = np.empty((last + 1, *lag.shape), np.intp)
+        path[last] = lag
+        turns = _turns(self._best[:last], self._none[:last])
         for hop in range(last - 1, -1, -1):
-            lag = _before(lag, self._best[hop], self._none[hop])
-            path[hop] = lag[:, 0]
-        known = np.maximum(path, 0)[:, :, None]
-        values = np.take_along_axis(self._values[: last + 1], known, axis=2)[:, :, 0]
-        return path, np.where(path >= 0, values, np.float32(0.0))
+            path[hop] = _before(path[hop + 1], self._best[hop], *(own[hop] for own in turns))
+        known = np.maximum(path, 0)
+        values = np.take_along_axis(self._values[: last + 1], known, axis=2)
+        return path[:, :, 0], np.where(path >= 0, values, np.float32(0.0))[:, :, 0]
 
 
 def _reached(best: Array, none: Array) -> tuple[Array, Array]:
@@ -129,21 +131,21 @@ def _entering(highest: Array, none: Array) -> tuple[Array, Array]:
     return none - PREDICTABILITY.switch, other
 
 
-def _top(best: Array) -> Paths:
-    return best.argmax(axis=1) - PREDICTABILITY.reach
+def _turns(best: Array, none: Array) -> tuple[Array, Paths, Paths]:
+    """Return what entering a period comes to (hops, groups, 1), from where, and from where none."""
+    top, highest = best.argmax(axis=2) - PREDICTABILITY.reach, best.max(axis=2)
+    first, other = _entering(highest, none)
+    entered = np.where(first >= other, -1, top)
+    left = np.where(highest - PREDICTABILITY.switch > none, top, -1)
+    return np.maximum(first, other)[..., None], entered[..., None], left[..., None]
 
 
-def _before(lag: Paths, best: Array, none: Array) -> Paths:
+def _before(lag: Paths, best: Array, enter: Array, entered: Paths, left: Paths) -> Paths:
     """Return the lags (groups, n) one hop earlier on the best ways to some lags."""
     reach = PREDICTABILITY.reach
     shifts = np.arange(-reach, reach + 1)
-    near = lag[:, :, None] + shifts + reach
-    around = best[np.arange(len(best))[:, None, None], near]
-    around -= PREDICTABILITY.wobble * np.abs(shifts)
-    stay, source = around.max(axis=2), lag + around.argmax(axis=2) - reach
-    top, highest = _top(best), best.max(axis=1)
-    first, other = _entering(highest, none)
-    entered = np.where(first >= other, -1, top)
-    found = np.where(np.maximum(first, other)[:, None] > stay, entered[:, None], source)
-    left = np.where(highest - PREDICTABILITY.switch > none, top, -1)
-    return np.where(lag < 0, left[:, None], found)
+    near = lag[:, :, None] + (shifts + reach)
+    near += np.arange(0, best.size, best.shape[1])[:, None, None]
+    around = best.ravel().take(near) - PREDICTABILITY.wobble * np.abs(shifts)
+    source = np.where(enter > around.max(axis=2), entered, lag + around.argmax(axis=2) - reach)
+    return np.where(lag < 0, left, source)

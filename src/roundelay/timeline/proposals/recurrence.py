@@ -73,7 +73,7 @@ def _lags(samples: int, rate: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Clock:
-    """Signals on a coarser clock, with running sums."""
+    """Signals (d, n) on a coarser clock, with running sums."""
 
     values: NDArray[np.float32]
     sums: Array
@@ -87,17 +87,30 @@ class _Clock:
         begins = np.array([limb.columns[0] for limb in body.limbs])
         count = len(body) // times
         x = body.signals[: count * times].reshape(count, times, -1).mean(axis=1)
+        x = np.ascontiguousarray(x.T)
         return cls(
             x.astype(np.float32),
             _running(x),
-            _running(np.add.reduceat(x * x, begins, axis=1)),
+            _running(_limb_sums(x * x, begins)),
             times / body.rate,
             begins,
         )
 
 
-def _running(values: Array) -> Array:
-    return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0, dtype=float)])
+def _running(values: NDArray[np.floating]) -> Array:
+    sums = np.zeros((len(values), values.shape[1] + 1))
+    np.cumsum(values, axis=1, dtype=float, out=sums[:, 1:])
+    return sums
+
+
+def _limb_sums(values: NDArray[np.floating], begins: Paths) -> NDArray[np.floating]:
+    """Return the sums (limbs, n) over the columns of each limb, of values (d, n)."""
+    found = np.empty((len(begins), values.shape[1]), values.dtype)
+    for own, (start, stop) in zip(found, pairwise([*begins, len(values)]), strict=True):
+        own[:] = values[start]
+        if stop > start + 1:
+            own += values[start + 1 : stop].sum(axis=0)
+    return found
 
 
 def _predictability(
@@ -111,20 +124,20 @@ def _predictability(
         [[float(place in inside) for place in range(len(body.limbs))] for inside in groups.values()]
     )
     hops = (
-        np.arange(max(1, int(np.ceil(len(body) / body.rate / PREDICTABILITY.hop))))
+        np.arange(max(1, int(np.ceil(len(body) / body.rate / PREDICTABILITY.hop))), dtype=float)
         * PREDICTABILITY.hop
     )
     clocks = {times: _Clock.of(body, times) for times in {_times(lag, body.rate) for lag in lags}}
     size = max(1, _BLOCK // (len(groups) * len(lags)))
     for start in range(0, len(hops), size):
-        own: Array = hops[start : start + size]
-        result = np.full((len(own), len(groups), len(lags)), -1.0, np.float32)
-        for number, lag in enumerate(lags):
+        own = hops[start : start + size]
+        result = np.full((len(lags), len(groups), len(own)), -1.0, np.float32)
+        for lag, values in zip(lags, result, strict=True):
             clock = clocks[_times(lag, body.rate)]
             best = _best_of_windows(clock, member, lag / clock.seconds, own / clock.seconds)
             if best is not None:
-                result[:, :, number] = best
-        yield result
+                values[:] = best
+        yield np.ascontiguousarray(result.T)
 
 
 def _times(lag: float, rate: float) -> int:
@@ -133,11 +146,11 @@ def _times(lag: float, rate: float) -> int:
 
 
 def _best_of_windows(clock: _Clock, member: Array, lag: float, hops: Array) -> Array | None:
-    """Return S (hops, groups) of a lag, both in samples of the clock; None if it is too long.
+    """Return S (groups, hops) of a lag, both in samples of the clock; None if it is too long.
 
     A take of less than two periods is one window, in which less than a period is compared.
     """
-    count, whole = len(clock.values), int(lag)
+    count, whole = clock.values.shape[1], int(lag)
     width = min(round(lag), count - whole - 1)
     if width < max(3, int(np.ceil(PREDICTABILITY.again * lag))):
         return None
@@ -145,44 +158,44 @@ def _best_of_windows(clock: _Clock, member: Array, lag: float, hops: Array) -> A
     at = np.minimum(hops.astype(np.intp), windows + length - 2)
     first, last = max(0, int(at[0]) - length + 1), min(windows, int(at[-1]) + 1)
     apart, variance = _windows(clock, lag, width, first, last)
-    values = 1.0 - (apart @ member.T + 2 * PREDICTABILITY.least**2) / (
-        2.0 * (variance @ member.T + PREDICTABILITY.least**2)
-    )
-    return _running_max(values, length)[at - first]
+    values = member @ apart + 2 * PREDICTABILITY.least**2
+    values /= 2.0 * (member @ variance + PREDICTABILITY.least**2)
+    return _running_max(1.0 - values, length)[:, at - first]
 
 
 def _windows(clock: _Clock, lag: float, width: int, first: int, last: int) -> tuple[Array, Array]:
-    """Return D and V (windows, limbs) of windows of two periods, by their first samples."""
+    """Return D and V (limbs, windows) of windows of two periods, by their first samples."""
     x, whole, part = clock.values, int(lag), np.float32(lag % 1.0)
     count, end = last - first, last + width - 1
-    moved = (
-        x[whole + first : whole + end] * (1 - part) + x[whole + first + 1 :][: end - first] * part
-    )
-    difference = x[first:end] - moved
-    sums = _running(np.add.reduceat(difference * difference, clock.begins, axis=1))
-    apart = (sums[width:] - sums[:-width]) / width
-    mean = _both(clock.sums[first:], count, whole, width)
-    squares = _both(clock.squares[first:], count, whole, width)
-    variance = squares - np.add.reduceat(mean * mean, clock.begins, axis=1)
-    return apart, np.maximum(variance, 0.0)
+    moved = x[:, whole + first : whole + end + 1]
+    difference = x[:, first:end] - (moved[:, :-1] * (1 - part) + moved[:, 1:] * part)
+    difference *= difference
+    sums = _running(_limb_sums(difference, clock.begins))
+    apart = (sums[:, width:] - sums[:, :-width]) / width
+    mean = _both(clock.sums[:, first:], count, whole, width)
+    mean *= mean
+    variance = _both(clock.squares[:, first:], count, whole, width)
+    variance -= _limb_sums(mean, clock.begins)
+    return apart, np.maximum(variance, 0.0, out=variance)
 
 
 def _both(sums: Array, count: int, whole: int, width: int) -> Array:
     """Return the means over both halves of so many windows, from running sums."""
-    later = sums[whole + 1 :]
-    early = sums[width : width + count] - sums[:count]
-    late = later[width : width + count] - later[:count]
-    return np.asarray((early + late) / (2.0 * width))
+    later = sums[:, whole + 1 :]
+    both = sums[:, width : width + count] - sums[:, :count]
+    both += later[:, width : width + count] - later[:, :count]
+    both /= 2.0 * width
+    return both
 
 
 def _running_max(values: Array, width: int) -> Array:
-    """Return the largest (n + width - 1, g) of the values (n, g) whose windows hold a sample."""
-    result = np.full((len(values) + width - 1, values.shape[1]), -np.inf)
-    result[: len(values)] = values
+    """Return the largest (g, n + width - 1) of the values (g, n) whose windows hold a sample."""
+    result = np.full((len(values), values.shape[1] + width - 1), -np.inf)
+    result[:, : values.shape[1]] = values
     reached = 1
     while reached < width:
         step = min(reached, width - reached)
-        np.maximum(result[step:], result[:-step].copy(), out=result[step:])
+        np.maximum(result[:, step:], result[:, :-step].copy(), out=result[:, step:])
         reached += step
     return result
 

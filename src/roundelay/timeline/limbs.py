@@ -26,6 +26,9 @@ __all__ = ["Body", "Limb", "body_of"]
 
 Array = NDArray[np.float64]
 
+# Numbers that are worked on at once: they stay in the processor's cache.
+_BLOCK = 200_000
+
 
 @dataclass(frozen=True)
 class Limb:
@@ -197,9 +200,10 @@ class _Joints:
     def __init__(self, motion: Motion, span: Span | None, step: int) -> None:
         self._motion, self.names, self.count = motion, motion.skeleton.names, len(motion)
         self._frames = slice(*(span or (0, self.count)), step)
-        self._places, turns = self._placed(self._frames)
-        self._tree = _Tree(motion.skeleton, _bone_lengths(self._places, motion.skeleton))
-        self._whole = self._against_hips(self._places, turns)
+        shown = range(self.count)[self._frames]
+        places, _ = self._placed(_slice(shown[:: max(1, len(shown) // 64)]))
+        self._tree = _Tree(motion.skeleton, _bone_lengths(places, motion.skeleton))
+        self._whole, self._above = self._against_hips(self._frames)
 
     def indices(self, names: Sequence[str]) -> list[int]:
         return [int(joint) for joint in self._motion.skeleton.indices(names)]
@@ -215,20 +219,38 @@ class _Joints:
 
     def at(self, frames: slice) -> tuple[Array, NDArray[np.float32]]:
         """Return positions (n, J, 3) turned with the hips, and turned with their heading alone."""
-        return self._whole if frames == self._frames else self._against_hips(*self._placed(frames))
+        return self._whole if frames == self._frames else self._against_hips(frames)[0]
 
-    def _against_hips(self, places: Array, turns: Array) -> tuple[Array, NDArray[np.float32]]:
-        apart = (places - places[:, self._tree.hub, None]) / self._tree.size
-        hips, motion = turns[:, self._tree.hub], self._motion
-        inside = rot.rotate(rot.conjugate(hips)[:, None], apart)
-        ahead = rot.from_rotation_vector(-_turned(hips, motion.up)[:, None] * motion.up_vector)
-        return inside, rot.rotate(ahead[:, None], apart).astype(np.float32)
+    def _against_hips(self, frames: slice) -> tuple[tuple[Array, NDArray[np.float32]], Array]:
+        """Return the same, and how high (n, J) each joint is above the lowest.
+
+        Block by block, so that little memory is held beside.
+        """
+        motion, hub, every = self._motion, self._tree.hub, range(self.count)[frames]
+        shape, up = (len(every), len(self.names)), motion.up
+        inside, above = np.empty((*shape, 3)), np.empty(shape)
+        seen, turned, before = np.empty((*shape, 3), np.float32), 0.0, None
+        size = max(1, _BLOCK // (4 * shape[1]))
+        for start in range(0, len(every), size):
+            own = slice(start, start + size)
+            places, turns = self._placed(_slice(every[own]))
+            apart, hips = (places - places[:, hub, None]) / self._tree.size, turns[:, hub]
+            inside[own] = rot.rotate(rot.conjugate(hips)[:, None], apart)
+            angles = _turned(hips if before is None else np.concatenate([before, hips]), up, turned)
+            ahead = rot.from_rotation_vector(-angles[-len(hips) :, None] * motion.up_vector)
+            seen[own] = rot.rotate(ahead[:, None], apart)
+            height = places[..., up]
+            above[own] = height - height.min(axis=1, keepdims=True)
+            turned, before = float(angles[-1]), hips[-1:].copy()
+        return (inside, seen), above
 
     def limbs(self) -> list[tuple[str, str, list[int]]]:
-        height = self._places[..., self._motion.up]
-        above = height - height.min(axis=1, keepdims=True)
-        low = np.median(above, axis=0) / self._tree.size
+        low = np.median(self._above, axis=0) / self._tree.size
         return _named(self._tree, low, self._motion.skeleton)
+
+
+def _slice(frames: range) -> slice:
+    return slice(frames.start, frames.stop, frames.step)
 
 
 class _Points:
@@ -281,21 +303,20 @@ def _jump(steps: Array, reach: int) -> int:
     return place + 1 if steps[place] > LIMBS.jump * others > 0.0 else 0
 
 
-def _turned(orientations: Array, up: int) -> Array:
+def _turned(orientations: Array, up: int, before: float) -> Array:
     """Return how far (n,) the hips have turned about the vertical, in radians.
 
     The sum of the turns from sample to sample: no pose of the hips is singular.
     """
     steps = rot.multiply(orientations[1:], rot.conjugate(orientations[:-1]))
-    return np.concatenate([[0.0], np.cumsum(heading(steps, up))])
+    return np.cumsum(np.concatenate([[before], heading(steps, up)]))
 
 
 def _bone_lengths(places: Array, skeleton: Skeleton) -> Array:
     """Return the length (J,) of each joint's bone to its parent, as it is in the world."""
-    shown = places[:: max(1, len(places) // 64)]
     lengths = np.zeros(skeleton.n_joints)
     above = np.array(skeleton.parents[1:], np.intp)
-    apart = np.linalg.norm(shown[:, 1:] - shown[:, above], axis=2)
+    apart = np.linalg.norm(places[:, 1:] - places[:, above], axis=2)
     lengths[1:] = np.median(apart, axis=0)
     return lengths
 

@@ -201,13 +201,11 @@ def _decoded(costs: list[Costs]) -> list[NDArray[np.intp]]:
     for i, one in enumerate(costs):
         best[: len(one), i] = one
     none = np.full(best.shape[:2], ALIGNMENT.unexplained, np.float32)
-    left, alive = np.zeros(best.shape[:2], bool), len(costs)
-    for t in range(1, lengths[0]):
-        while lengths[alive - 1] == t:
-            alive -= 1
+    left, enter = np.zeros(best.shape[:2], bool), _enter()
+    for t, alive in enumerate(np.searchsorted(-lengths, -np.arange(1, lengths[0])).tolist(), 1):
         before, off = best[t - 1, :alive], none[t - 1, :alive]
-        best[t, :alive] += _reached(before, off)
-        leave = before.min(axis=1) + _enter()
+        best[t, :alive] += _reached(before, off + enter)
+        leave = before.min(axis=1) + enter
         left[t, :alive] = leave < off
         none[t, :alive] += np.minimum(off, leave)
     states = _traced(best, none, left, lengths)
@@ -223,11 +221,11 @@ def _costs(stretch: Stretch, template: Array, start: int, stop: int) -> Costs:
     return np.minimum(inner / stretch.variance, ALIGNMENT.farthest).astype(np.float32)
 
 
-def _reached(before: Costs, off: Costs) -> Costs:
-    """Return the least cost (n, 64) of coming to each phase from the sample before."""
+def _reached(before: Costs, enter: Costs) -> Costs:
+    """Return the least cost (n, 64) of coming to each phase, from the sample before or anew."""
     most = len(ALIGNMENT.tempo) - 1
     around = np.concatenate([before[:, -most:], before], axis=1)
-    least = np.minimum(around[:, most - 2 : -2], (off + _enter())[:, None])
+    least = np.minimum(around[:, most - 2 : -2], enter[:, None])
     for step in (1, 3, 0, 4):
         own = around[:, most - step : most - step + ALIGNMENT.states]
         np.minimum(least, own + np.float32(ALIGNMENT.tempo[step]), out=least)
@@ -244,39 +242,29 @@ def _traced(
 ) -> NDArray[np.intp]:
     """Follow the least costs back from the last samples, all paths at once."""
     every = np.arange(len(lengths))
-    last = best[lengths - 1, every]
+    last, enter = best[lengths - 1, every], none + _enter()
     state = np.where(last.min(axis=1) < none[lengths - 1, every], last.argmin(axis=1), -1)
+    # Of equal ways, the usual tempo, then the nearest to it.
+    steps = np.array([2, 1, 3, 0, 4])
+    tempo = np.array(ALIGNMENT.tempo, np.float32)[steps]
+    # The states before each; before none, which is the last, they do not count.
+    sources = (np.arange(ALIGNMENT.states + 1)[:, None] - steps) % ALIGNMENT.states
     states = np.full(best.shape[:2], -1)
-    for t in range(lengths[0] - 1, -1, -1):
-        alive = int(np.searchsorted(-lengths, -t))
-        states[t, :alive] = state[:alive]
-        if t:
-            state[:alive] = _before(
-                state[:alive], best[t - 1, :alive], none[t - 1, :alive], left[t, :alive]
-            )
+    going = np.searchsorted(-lengths, -np.arange(lengths[0])).tolist()
+    for t in range(lengths[0] - 1, 0, -1):
+        alive = going[t]
+        states[t, :alive] = own = state[:alive]
+        source, before = sources[own], best[t - 1, :alive]
+        costs = before.ravel().take(source + ALIGNMENT.states * every[:alive, None])
+        costs += tempo
+        found = source[every[:alive], costs.argmin(axis=1)]
+        found[enter[t - 1, :alive] < costs.min(axis=1)] = -1
+        off = np.flatnonzero(own < 0)
+        if len(off):
+            found[off] = np.where(left[t, off], before[off].argmin(axis=1), -1)
+        state[:alive] = found
+    states[0] = state
     return states
-
-
-# Of equal ways, the usual tempo, then the nearest to it.
-_STEPS = np.array([2, 1, 3, 0, 4])
-# The states before each, the last being none.
-_SOURCES = (np.arange(ALIGNMENT.states + 1)[:, None] - _STEPS) % ALIGNMENT.states
-
-
-def _before(
-    state: NDArray[np.intp], best: Costs, none: Costs, left: NDArray[np.bool_]
-) -> NDArray[np.intp]:
-    """Return the states (n,) one sample earlier on the best paths."""
-    source = _SOURCES[state]
-    rows = np.arange(0, best.size, ALIGNMENT.states)[:, None]
-    costs = best.ravel().take(source + rows)
-    costs += np.array(ALIGNMENT.tempo, np.float32)[_STEPS]
-    found = source[np.arange(len(state)), costs.argmin(axis=1)]
-    found[none + _enter() < costs.min(axis=1)] = -1
-    off = state < 0
-    if off.any():
-        found[off] = np.where(left[off], best[off].argmin(axis=1), -1)
-    return found
 
 
 def _laid(stretch: Stretch, states: NDArray[np.intp]) -> Aligned | None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from roundelay.base.spans import Spans
@@ -70,12 +71,7 @@ def _pieces_by_tempo(one: Predicted) -> list[tuple[float, float, float]]:
     if len(when) < ALIGNMENT.grid // 2 or one.candidate.turns is not None:
         return []
     width = ALIGNMENT.grid // 4
-    smooth = np.array(
-        [
-            np.median(lasted[max(0, i - width) : i + width + 1])
-            for i in range(0, len(lasted), width // 2)
-        ]
-    )
+    smooth = _medians(lasted, width)
     # A passage tells of the time until the next: half of it lies behind its middle.
     middles = when[:: width // 2] + 0.5 * smooth
     cuts, found = _pieces(np.log(smooth)), []
@@ -85,6 +81,14 @@ def _pieces_by_tempo(one: Predicted) -> list[tuple[float, float, float]]:
         end = np.inf if last == len(smooth) else float(middles[last])
         found.append((begin, end, period))
     return found if len(cuts) > 1 else []
+
+
+def _medians(values: Array, width: int) -> Array:
+    """Return the medians within so many values to either side, at every half width."""
+    padded = np.pad(values, width, constant_values=np.inf)
+    around = np.sort(sliding_window_view(padded, 2 * width + 1)[:: width // 2], axis=1)
+    every, seen = np.arange(len(around)), np.isfinite(around).sum(axis=1)
+    return np.asarray(0.5 * (around[every, (seen - 1) // 2] + around[every, seen // 2]))
 
 
 def _measured(

@@ -117,9 +117,10 @@ def _reached(best: Array, none: Array) -> tuple[Array, Array]:
     reach, count = PREDICTABILITY.reach, best.shape[1] - 2 * PREDICTABILITY.reach
     stay = best[:, reach:-reach].copy()
     for shift in range(1, reach + 1):
-        for start in (reach - shift, reach + shift):
-            near = best[:, start : start + count] - PREDICTABILITY.wobble * shift
-            np.maximum(stay, near, out=stay)
+        first, last = (best[:, at : at + count] for at in (reach - shift, reach + shift))
+        near = np.maximum(first, last)
+        near -= PREDICTABILITY.wobble * shift
+        np.maximum(stay, near, out=stay)
     highest = best.max(axis=1)
     np.maximum(stay, np.maximum(*_entering(highest, none))[:, None], out=stay)
     return stay, np.maximum(none, highest - PREDICTABILITY.switch)

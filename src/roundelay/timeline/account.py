@@ -74,7 +74,7 @@ def _of_body(body: Body, found: Sequence[Predicted]) -> list[Predicted]:
 class _Gain:
     """The evidence a sample, in nats, of the repetition that each sample is in.
 
-    That of the samples from `start` on; those around them gain nothing.
+    That of the samples from `start` on; around them it loses one nat a sample.
     """
 
     start: int

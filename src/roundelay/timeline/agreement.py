@@ -77,7 +77,7 @@ def _autocorrelation(parts: Sequence[_Part], lag: float, reach: float = 0.0) -> 
             products = part.products(lag, count)
             inner, first, second = inner + products[0], first + products[1], second + products[2]
     scale = np.sqrt(first * second)
-    return inner / float(scale) if scale > 0.0 else -1.0
+    return float(inner / scale) if scale > 0.0 else -1.0
 
 
 def margins(runs: Sequence[Array], lag: float) -> tuple[float, float, float]:

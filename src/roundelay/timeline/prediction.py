@@ -139,11 +139,11 @@ def _unexplained(one: Predicted) -> Iterator[Candidate]:
     period, whole = one.candidate.period, one.candidate.stop - one.candidate.start
     if one.candidate.turns is not None:
         return
-    free = np.zeros(one.candidate.stop, bool)
-    free[one.candidate.start :] = True
+    first = one.candidate.start
+    free = np.ones(whole, bool)
     for start, stop in one.runs:
-        free[max(0, int(start)) : int(np.ceil(stop))] = False
-    for start, stop in Spans.of_mask(free):
+        free[max(0, int(start) - first) : max(0, int(np.ceil(stop)) - first)] = False
+    for start, stop in Spans.of_mask(free).moved(first):
         if PREDICTABILITY.periods * period <= stop - start <= whole - period:
             yield replace(one.candidate, start=start, stop=stop)
 

@@ -66,3 +66,11 @@ def test_closed_spans_go_on_across_the_seam(mask):
         assert 0 <= start < len(mask)
         marked[np.arange(start, stop) % len(mask)] += 1
     assert np.array_equal(marked, mask.astype(int))
+
+
+def test_ranges_are_moved():
+    spans = Spans([(3, 5), (7, 9)])
+    assert spans.moved(2) == ((5, 7), (9, 11))
+    assert spans.moved(2).moved(-2) == spans
+    with pytest.raises(ValueError, match="from 0 on"):
+        spans.moved(-4)

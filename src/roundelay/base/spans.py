@@ -89,6 +89,10 @@ class Spans(tuple[Span, ...]):
             max(0, min(stop, frames.stop) - max(start, frames.start)) for start, stop in self
         )
 
+    def moved(self, by: int) -> Spans:
+        """Return the ranges so many frames later, or earlier."""
+        return Spans((start + by, stop + by) for start, stop in self)
+
     @property
     def joined(self) -> Spans:
         """The ranges of `frames` that hold each range: the same lengths, end to end."""

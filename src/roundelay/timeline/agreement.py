@@ -13,59 +13,82 @@ from numpy.typing import NDArray
 from roundelay.base.numeric import ROUNDING
 from roundelay.timeline.thresholds import JUDGEMENT, TEMPO
 
-__all__ = ["autocorrelation", "best_lag", "margins"]
+__all__ = ["best_lag", "margins"]
 
 Array = NDArray[np.float64]
-Runs = Sequence[tuple[float, float]]
 
 
-def _parts(values: Array, runs: Runs, lag: float) -> list[Array]:
-    """Return the runs, each centred; one after the other if they are too short for the lag."""
-    found = []
-    for start, stop in runs:
-        part = values[max(0, int(start)) : min(len(values), int(np.ceil(stop)))]
-        found.append(part - part.mean(axis=0) if len(part) else part)
+class _Part:
+    """Consecutive poses (n, d), centred, with what their correlations share."""
+
+    def __init__(self, poses: Array) -> None:
+        centred = poses - poses.mean(axis=0) if len(poses) else poses
+        self._count, self._width = centred.shape
+        self._flat = centred.ravel()
+        self._squares = np.einsum("ij,ij->i", centred, centred)
+        self._next = np.einsum("ij,ij->i", centred[:-1], centred[1:])
+        self._known: dict[tuple[int, int], float] = {}
+
+    def __len__(self) -> int:
+        return self._count
+
+    def products(self, lag: float, count: int) -> tuple[float, float, float]:
+        """Return the sums of now times later, now squared and later squared, of so many poses.
+
+        Later is between two poses: of a straight line, its square is that of both ends and of
+        their product.
+        """
+        whole = int(lag)
+        after = lag - whole if lag - whole >= ROUNDING else 0.0
+        before, now = 1.0 - after, float(self._squares[:count].sum())
+        inner = before * self._inner(whole, count)
+        later = before**2 * float(self._squares[whole : whole + count].sum())
+        if after:
+            inner += after * self._inner(whole + 1, count)
+            later += after**2 * float(self._squares[whole + 1 : whole + 1 + count].sum())
+            later += 2.0 * before * after * float(self._next[whole : whole + count].sum())
+        return inner, now, later
+
+    def _inner(self, lag: int, count: int) -> float:
+        if (lag, count) not in self._known:
+            now, later = (slice(at * self._width, (at + count) * self._width) for at in (0, lag))
+            self._known[lag, count] = float(self._flat[now] @ self._flat[later])
+        return self._known[lag, count]
+
+
+def _parts(runs: Sequence[Array], lag: float) -> list[_Part]:
+    """Return the poses of runs; one after the other if they are too short for the lag."""
+    found = [_Part(run) for run in runs]
     if sum(max(0.0, len(part) - lag) for part in found) < JUDGEMENT.apart * lag:
-        return [np.concatenate(found)] if found else []
+        centred = [run - run.mean(axis=0) if len(run) else run for run in runs]
+        return [_Part(np.concatenate(centred))] if runs else []
     return found
 
 
-def _shifted(part: Array, lag: float) -> Array:
-    """Return values (n - lag, d) a fractional lag later."""
-    whole = int(lag)
-    between = lag - whole
-    if between < ROUNDING:
-        return part[whole:]
-    return part[whole:-1] * (1.0 - between) + part[whole + 1 :] * between
-
-
-def autocorrelation(parts: Sequence[Array], lag: float, reach: float | None = None) -> float:
+def _autocorrelation(parts: Sequence[_Part], lag: float, reach: float = 0.0) -> float:
     """Return the correlation of poses a lag apart, in [-1, 1]; -1 where nothing is so long.
 
-    Parameters
-    ----------
-    parts : sequence of (n, d) ndarray
-        Centred.
-    lag : float
-        In samples.
-    reach : float, optional
-        Only samples that are seen so much later count; by default the lag.
+    Only poses that are seen for a longer reach, if there is one, count.
     """
     inner = first = second = 0.0
     for part in parts:
-        count = len(part) - int(np.ceil(lag if reach is None else max(reach, lag)))
-        if count < 3:
-            continue
-        later, now = _shifted(part, lag)[:count], part[:count]
-        inner += float(np.sum(now * later))
-        first += float(np.sum(now * now))
-        second += float(np.sum(later * later))
+        count = len(part) - int(np.ceil(max(reach, lag)))
+        if count >= 3:
+            products = part.products(lag, count)
+            inner, first, second = inner + products[0], first + products[1], second + products[2]
     scale = np.sqrt(first * second)
-    return inner / float(scale) if scale > 0.0 else -1.0
+    return float(inner / scale) if scale > 0.0 else -1.0
 
 
-def margins(values: Array, runs: Runs, lag: float) -> tuple[float, float, float]:
+def margins(runs: Sequence[Array], lag: float) -> tuple[float, float, float]:
     """Return how well poses come back after a lag, and by how much better than at others.
+
+    Parameters
+    ----------
+    runs : sequence of (n, d) ndarray
+        Poses of each run.
+    lag : float
+        In samples.
 
     Returns
     -------
@@ -76,20 +99,20 @@ def margins(values: Array, runs: Runs, lag: float) -> tuple[float, float, float]
     above_twice : float
         What it is more than after twice the lag, where that is seen; else 1.
     """
-    around, parts = 1.0 + JUDGEMENT.around * np.array([-1.0, 0.0, 1.0]), _parts(values, runs, lag)
-    once = autocorrelation(parts, lag)
-    half = max(autocorrelation(parts, 0.5 * lag * f) for f in around)
-    twice = max(autocorrelation(parts, 2.0 * lag * f) for f in around)
+    around, parts = 1.0 + JUDGEMENT.around * np.array([-1.0, 0.0, 1.0]), _parts(runs, lag)
+    once = _autocorrelation(parts, lag)
+    half = max(_autocorrelation(parts, 0.5 * lag * f) for f in around)
+    twice = max(_autocorrelation(parts, 2.0 * lag * f) for f in around)
     if twice == -1.0:
         return once, once - half, 1.0
-    again = autocorrelation(parts, lag, 2.0 * lag)
+    again = _autocorrelation(parts, lag, 2.0 * lag)
     return once, once - half, again - twice
 
 
-def best_lag(values: Array, runs: Runs, lag: float) -> tuple[float, float]:
+def best_lag(runs: Sequence[Array], lag: float) -> tuple[float, float]:
     """Return the lag near an estimate at which poses agree best, and their correlation."""
     tried = lag * (1.0 + TEMPO.near * np.linspace(-1.0, 1.0, TEMPO.tried))
-    parts = _parts(values, runs, lag)
-    found = [autocorrelation(parts, one) for one in tried]
+    parts = _parts(runs, lag)
+    found = [_autocorrelation(parts, one) for one in tried]
     best = int(np.argmax(found))
     return float(tried[best]), found[best]

@@ -22,11 +22,10 @@ from roundelay.timeline.thresholds import ALIGNMENT
 __all__ = ["Aligned", "Stretch", "align_all", "laid_out", "taken_at"]
 
 Array = NDArray[np.float64]
+Costs = NDArray[np.float32]
 
 # At most so many numbers are held at once.
 _BLOCK = 8_000_000
-# The mark of a sample before which the template was entered.
-_ENTERED = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,67 +191,45 @@ def _batches(pieces: list[tuple[int, int, int]]) -> list[list[tuple[int, int, in
     return batches
 
 
-def _decoded(costs: list[Array]) -> list[NDArray[np.intp]]:
+def _decoded(costs: list[Costs]) -> list[NDArray[np.intp]]:
     """Return the phase state (m,) of every sample, -1 where unexplained: Viterbi's paths.
 
     Costs (m, 64) are in order of falling length.
     """
     lengths = np.array([len(one) for one in costs])
-    cost = np.zeros((lengths[0], len(costs), ALIGNMENT.states), np.float32)
+    best = np.zeros((lengths[0], len(costs), ALIGNMENT.states), np.float32)
     for i, one in enumerate(costs):
-        cost[: len(one), i] = one
-    back = np.zeros(cost.shape, np.int8)
-    left = np.full((lengths[0], len(costs)), -1, np.int16)
-    best, none = cost[0].copy(), np.full(len(costs), ALIGNMENT.unexplained, np.float32)
-    final = np.zeros(len(costs), np.intp)
-    alive = len(costs)
-    for t in range(1, lengths[0] + 1):
-        while alive and lengths[alive - 1] == t:
-            alive -= 1
-            lowest = int(best[alive].argmin())
-            final[alive] = lowest if best[alive, lowest] < none[alive] else -1
-        if not alive:
-            break
-        _step(best, none, cost[t], back[t], left[t], alive)
-    return [_traced(back[:, i], left[:, i], int(final[i]), lengths[i]) for i in range(len(costs))]
+        best[: len(one), i] = one
+    none = np.full(best.shape[:2], ALIGNMENT.unexplained, np.float32)
+    left, enter = np.zeros(best.shape[:2], bool), _enter()
+    for t, alive in enumerate(np.searchsorted(-lengths, -np.arange(1, lengths[0])).tolist(), 1):
+        before, off = best[t - 1, :alive], none[t - 1, :alive]
+        best[t, :alive] += _reached(before, off + enter)
+        leave = before.min(axis=1) + enter
+        left[t, :alive] = leave < off
+        none[t, :alive] += np.minimum(off, leave)
+    states = _traced(best, none, left, lengths)
+    return [states[:length, i] for i, length in enumerate(lengths)]
 
 
-def _costs(stretch: Stretch, template: Array, start: int, stop: int) -> Array:
+def _costs(stretch: Stretch, template: Array, start: int, stop: int) -> Costs:
     """Return what each phase costs (m, 64) of some samples, in variances."""
     x = stretch.values[start:stop]
     inner = (
         np.sum(x * x, axis=1)[:, None] + np.sum(template * template, axis=1) - 2 * x @ template.T
     )
-    return np.minimum(inner / stretch.variance, ALIGNMENT.farthest)
+    return np.minimum(inner / stretch.variance, ALIGNMENT.farthest).astype(np.float32)
 
 
-def _step(
-    best: NDArray[np.float32],
-    none: NDArray[np.float32],
-    cost: NDArray[np.float32],
-    back: NDArray[np.int8],
-    left: NDArray[np.int16],
-    alive: int,
-) -> None:
-    """Go on by one sample, in place."""
-    now = best[:alive]
-    stay, choice = now.copy(), np.full(now.shape, 2, np.int8)
-    stay[:] = np.roll(now, 2, axis=1)
+def _reached(before: Costs, enter: Costs) -> Costs:
+    """Return the least cost (n, 64) of coming to each phase, from the sample before or anew."""
+    most = len(ALIGNMENT.tempo) - 1
+    around = np.concatenate([before[:, -most:], before], axis=1)
+    least = np.minimum(around[:, most - 2 : -2], enter[:, None])
     for step in (1, 3, 0, 4):
-        other = np.roll(now, step, axis=1) + np.float32(ALIGNMENT.tempo[step])
-        better = other < stay
-        np.copyto(stay, other, where=better)
-        np.copyto(choice, np.int8(step), where=better)
-    enter = (none[:alive] + _enter())[:, None]
-    fresh = enter < stay
-    np.copyto(choice, np.int8(_ENTERED), where=fresh)
-    lowest = now.argmin(axis=1)
-    leave = now[np.arange(alive), lowest] + _enter()
-    leaves = leave < none[:alive]
-    left[:alive] = np.where(leaves, lowest, -1)
-    none[:alive] = np.minimum(none[:alive], leave) + np.float32(ALIGNMENT.unexplained)
-    back[:alive] = choice
-    best[:alive] = np.where(fresh, enter, stay) + cost[:alive]
+        own = around[:, most - step : most - step + ALIGNMENT.states]
+        np.minimum(least, own + np.float32(ALIGNMENT.tempo[step]), out=least)
+    return least
 
 
 def _enter() -> np.float32:
@@ -261,18 +238,31 @@ def _enter() -> np.float32:
 
 
 def _traced(
-    back: NDArray[np.int8], left: NDArray[np.int16], final: int, length: int
+    best: Costs, none: Costs, left: NDArray[np.bool_], lengths: NDArray[np.intp]
 ) -> NDArray[np.intp]:
-    """Follow the choices back from the last sample."""
-    states = np.full(length, -1)
-    state = final
-    for t in range(length - 1, 0, -1):
-        states[t] = state
-        if state < 0:
-            state = int(left[t])
-        else:
-            choice = back[t, state]
-            state = -1 if choice == _ENTERED else (state - int(choice)) % ALIGNMENT.states
+    """Follow the least costs back from the last samples, all paths at once."""
+    every = np.arange(len(lengths))
+    last, enter = best[lengths - 1, every], none + _enter()
+    state = np.where(last.min(axis=1) < none[lengths - 1, every], last.argmin(axis=1), -1)
+    # Of equal ways, the usual tempo, then the nearest to it.
+    steps = np.array([2, 1, 3, 0, 4])
+    tempo = np.array(ALIGNMENT.tempo, np.float32)[steps]
+    # The states before each; before none, which is the last, they do not count.
+    sources = (np.arange(ALIGNMENT.states + 1)[:, None] - steps) % ALIGNMENT.states
+    states = np.full(best.shape[:2], -1)
+    going = np.searchsorted(-lengths, -np.arange(lengths[0])).tolist()
+    for t in range(lengths[0] - 1, 0, -1):
+        alive = going[t]
+        states[t, :alive] = own = state[:alive]
+        source, before = sources[own], best[t - 1, :alive]
+        costs = before.ravel().take(source + ALIGNMENT.states * every[:alive, None])
+        costs += tempo
+        found = source[every[:alive], costs.argmin(axis=1)]
+        found[enter[t - 1, :alive] < costs.min(axis=1)] = -1
+        off = np.flatnonzero(own < 0)
+        if len(off):
+            found[off] = np.where(left[t, off], before[off].argmin(axis=1), -1)
+        state[:alive] = found
     states[0] = state
     return states
 

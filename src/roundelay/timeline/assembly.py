@@ -11,6 +11,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -99,16 +100,17 @@ def candidates_of(
     predicted = predict_all(body, found)
     report(progress, 7 / 8, "choosing the best account")
     going = [without_pauses(one) for one in account(body, predicted)]
-    pieces = [piece for one in going for piece in _sound_pieces(body, one)]
-    return body, merged(body, pieces)
+    return body, merged(body, list(_sound_pieces(body, going)))
 
 
-def _sound_pieces(body: Body, one: Predicted) -> list[Predicted]:
-    """Return the steady pieces of what is no chance, as a whole or by themselves."""
-    whole = excess(body, refined(body, one)) > CHANCE.least
-    return [
-        piece for piece in steady_pieces(body, one) if whole or excess(body, piece) > CHANCE.least
-    ]
+def _sound_pieces(body: Body, going: Sequence[Predicted]) -> Iterator[Predicted]:
+    """Yield the steady pieces of what is no chance, as a whole or by themselves."""
+    for one, pieces in zip(going, steady_pieces(body, going), strict=True):
+        whole = refined(body, one)
+        sound = excess(body, whole) > CHANCE.least
+        for piece in pieces or [whole]:
+            if sound or excess(body, piece) > CHANCE.least:
+                yield piece
 
 
 def _span(take: Motion | Poses, options: Options) -> Span:

@@ -63,8 +63,7 @@ def tests_of(body: Body, one: Predicted) -> tuple[Test, ...]:
     body : Body
     one : Predicted
     """
-    seen = body.seen_of(one.claimed)
-    once, above_half, above_twice = margins(seen, one.runs, one.period)
+    once, above_half, above_twice = margins(body.seen_of(one.claimed, one.runs), one.period)
     return (
         Test("comes_back", once, JUDGEMENT.correlation),
         Test("above_half", above_half, JUDGEMENT.less),

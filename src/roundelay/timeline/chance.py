@@ -26,15 +26,17 @@ def excess(body: Body, one: Predicted) -> float:
     one : Predicted
         With at least one limb claimed, and its period refined.
     """
-    own = body.signals_of(one.claimed)
-    numbers = one.again * dimension(own) / (np.pi * one.slowness)
+    own = body.columns_of(one.claimed)
+    covariance = body.covariance[np.ix_(own, own)]
+    numbers = one.again * dimension(covariance) / (np.pi * one.slowness)
     # Of R repetitions that are unlike, each differs from the mean of the others by R / (R - 1).
     showings = max(2.0, one.repetitions)
     unlike = (1.0 - one.explained) * (showings - 1.0) / showings
     # An alignment is free to warp time, a lag is not: what chance finds, it finds by warping.
     warped, plain = (max(each, CHANCE.exact) for each in (unlike, 1.0 - one.agrees))
     share = min(1.0, float(warped ** (1.0 - CHANCE.plain) * plain**CHANCE.plain))
-    elsewhere = max(0.0, len(own) - sum(stop - start for start, stop in one.runs))
-    places = 1.0 + elsewhere / (np.pi * microscale(own, np.diff(own, axis=0)))
+    elsewhere = max(0.0, len(body) - sum(stop - start for start, stop in one.runs))
+    scale = microscale(float(np.trace(covariance)), float(body.changes[own].sum()))
+    places = 1.0 + elsewhere / (np.pi * scale)
     information = 0.5 * (share - 1.0 - np.log(share))
     return float(numbers * information - np.log(places))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +20,14 @@ from roundelay.geometry.kinematics import forward_kinematics, heading
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses, bridged, point_indices, principal_components
-from roundelay.timeline.thresholds import LIMBS, SEARCH
+from roundelay.timeline.thresholds import LIMBS, PREDICTION, SEARCH
 
 __all__ = ["Body", "Limb", "body_of"]
 
 Array = NDArray[np.float64]
+
+# Numbers that are worked on at once: they stay in the processor's cache.
+_BLOCK = 200_000
 
 
 @dataclass(frozen=True)
@@ -80,6 +84,7 @@ class Body:
     step: int
     names: tuple[str, ...] = field(repr=False)
     n_frames: int
+    _axes: dict[str, Array] = field(default_factory=dict, init=False, repr=False)
 
     def __len__(self) -> int:
         return len(self.signals)
@@ -105,13 +110,35 @@ class Body:
                 groups[name] = members
         return groups
 
-    def signals_of(self, claimed: NDArray[np.bool_]) -> Array:
-        """Return the signals (n, d) of some limbs (L,)."""
-        return self.signals[:, self.columns(tuple(np.flatnonzero(claimed).tolist()))]
+    def columns_of(self, claimed: NDArray[np.bool_]) -> NDArray[np.intp]:
+        """Return the columns of some limbs (L,)."""
+        return self.columns(tuple(np.flatnonzero(claimed).tolist()))
 
-    def seen_of(self, claimed: NDArray[np.bool_]) -> Array:
-        """Return the joints (n, 3 J) of some limbs (L,) as one sees them; see `seen`."""
-        return self.seen[:, self.joints(claimed)].reshape(len(self), -1).astype(float)
+    def axes_of(self, group: str) -> Array:
+        """Return the principal axes (n, k) of a group of limbs."""
+        if group not in self._axes:
+            own = self.signals[:, self.columns(self.groups()[group])]
+            self._axes[group] = principal_components(own, PREDICTION.held)[:, : PREDICTION.axes]
+        return self._axes[group]
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariances (d, d) of the signals."""
+        centred = self.signals - self.signals.mean(axis=0)
+        return np.asarray(centred.T @ centred / len(self))
+
+    @cached_property
+    def changes(self) -> Array:
+        """Mean squared changes (d,) of the signals from sample to sample."""
+        return np.asarray(np.mean(np.diff(self.signals, axis=0) ** 2, axis=0))
+
+    def seen_of(
+        self, claimed: NDArray[np.bool_], runs: Sequence[tuple[float, float]]
+    ) -> list[Array]:
+        """Return the joints (n, 3 J) of some limbs (L,) as one sees them in each of some runs."""
+        joints = self.joints(claimed)
+        found = (self.seen[max(0, int(a)) : int(np.ceil(b)), joints] for a, b in runs)
+        return [own.reshape(len(own), -1).astype(float) for own in found]
 
     def joints(self, claimed: NDArray[np.bool_]) -> list[int]:
         """Return the joints of some limbs (L,)."""
@@ -173,9 +200,10 @@ class _Joints:
     def __init__(self, motion: Motion, span: Span | None, step: int) -> None:
         self._motion, self.names, self.count = motion, motion.skeleton.names, len(motion)
         self._frames = slice(*(span or (0, self.count)), step)
-        self._places, turns = self._placed(self._frames)
-        self._tree = _Tree(motion.skeleton, _bone_lengths(self._places, motion.skeleton))
-        self._whole = self._against_hips(self._places, turns)
+        shown = range(self.count)[self._frames]
+        places, _ = self._placed(_slice(shown[:: max(1, len(shown) // 64)]))
+        self._tree = _Tree(motion.skeleton, _bone_lengths(places, motion.skeleton))
+        self._whole, self._above = self._against_hips(self._frames)
 
     def indices(self, names: Sequence[str]) -> list[int]:
         return [int(joint) for joint in self._motion.skeleton.indices(names)]
@@ -191,20 +219,38 @@ class _Joints:
 
     def at(self, frames: slice) -> tuple[Array, NDArray[np.float32]]:
         """Return positions (n, J, 3) turned with the hips, and turned with their heading alone."""
-        return self._whole if frames == self._frames else self._against_hips(*self._placed(frames))
+        return self._whole if frames == self._frames else self._against_hips(frames)[0]
 
-    def _against_hips(self, places: Array, turns: Array) -> tuple[Array, NDArray[np.float32]]:
-        apart = (places - places[:, self._tree.hub, None]) / self._tree.size
-        hips, motion = turns[:, self._tree.hub], self._motion
-        inside = rot.rotate(rot.conjugate(hips)[:, None], apart)
-        ahead = rot.from_rotation_vector(-_turned(hips, motion.up)[:, None] * motion.up_vector)
-        return inside, rot.rotate(ahead[:, None], apart).astype(np.float32)
+    def _against_hips(self, frames: slice) -> tuple[tuple[Array, NDArray[np.float32]], Array]:
+        """Return the same, and how high (n, J) each joint is above the lowest.
+
+        Block by block, so that little memory is held beside.
+        """
+        motion, hub, every = self._motion, self._tree.hub, range(self.count)[frames]
+        shape, up = (len(every), len(self.names)), motion.up
+        inside, above = np.empty((*shape, 3)), np.empty(shape)
+        seen, turned, before = np.empty((*shape, 3), np.float32), 0.0, None
+        size = max(1, _BLOCK // (4 * shape[1]))
+        for start in range(0, len(every), size):
+            own = slice(start, start + size)
+            places, turns = self._placed(_slice(every[own]))
+            apart, hips = (places - places[:, hub, None]) / self._tree.size, turns[:, hub]
+            inside[own] = rot.rotate(rot.conjugate(hips)[:, None], apart)
+            angles = _turned(hips if before is None else np.concatenate([before, hips]), up, turned)
+            ahead = rot.from_rotation_vector(-angles[-len(hips) :, None] * motion.up_vector)
+            seen[own] = rot.rotate(ahead[:, None], apart)
+            height = places[..., up]
+            above[own] = height - height.min(axis=1, keepdims=True)
+            turned, before = float(angles[-1]), hips[-1:].copy()
+        return (inside, seen), above
 
     def limbs(self) -> list[tuple[str, str, list[int]]]:
-        height = self._places[..., self._motion.up]
-        above = height - height.min(axis=1, keepdims=True)
-        low = np.median(above, axis=0) / self._tree.size
+        low = np.median(self._above, axis=0) / self._tree.size
         return _named(self._tree, low, self._motion.skeleton)
+
+
+def _slice(frames: range) -> slice:
+    return slice(frames.start, frames.stop, frames.step)
 
 
 class _Points:
@@ -257,21 +303,20 @@ def _jump(steps: Array, reach: int) -> int:
     return place + 1 if steps[place] > LIMBS.jump * others > 0.0 else 0
 
 
-def _turned(orientations: Array, up: int) -> Array:
+def _turned(orientations: Array, up: int, before: float) -> Array:
     """Return how far (n,) the hips have turned about the vertical, in radians.
 
     The sum of the turns from sample to sample: no pose of the hips is singular.
     """
     steps = rot.multiply(orientations[1:], rot.conjugate(orientations[:-1]))
-    return np.concatenate([[0.0], np.cumsum(heading(steps, up))])
+    return np.cumsum(np.concatenate([[before], heading(steps, up)]))
 
 
 def _bone_lengths(places: Array, skeleton: Skeleton) -> Array:
     """Return the length (J,) of each joint's bone to its parent, as it is in the world."""
-    shown = places[:: max(1, len(places) // 64)]
     lengths = np.zeros(skeleton.n_joints)
     above = np.array(skeleton.parents[1:], np.intp)
-    apart = np.linalg.norm(shown[:, 1:] - shown[:, above], axis=2)
+    apart = np.linalg.norm(places[:, 1:] - places[:, above], axis=2)
     lengths[1:] = np.median(apart, axis=0)
     return lengths
 

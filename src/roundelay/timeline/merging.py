@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,27 +34,42 @@ def merged(body: Body, found: Sequence[Predicted]) -> list[Predicted]:
     list of Predicted
         Those that were joined are measured again.
     """
-    kept: list[Predicted] = []
+    kept: list[_Piece] = []
     for one in sorted(found, key=lambda each: each.repetitions, reverse=True):
+        piece = _piece(body, one)
         for place, home in enumerate(kept):
-            joined = _joined(body, home, one)
+            joined = _joined(body, home, piece)
             if joined is not None:
-                kept[place] = joined
+                kept[place] = _piece(body, joined)
                 break
         else:
-            kept.append(one)
-    return kept
+            kept.append(piece)
+    return [piece.own for piece in kept]
 
 
-def _joined(body: Body, first: Predicted, second: Predicted) -> Predicted | None:
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """A stretch with its template: Fourier coefficients and power of every column."""
+
+    own: Predicted
+    spectrum: NDArray[np.complex128]
+    power: Array
+
+
+def _piece(body: Body, one: Predicted) -> _Piece:
+    template = _template(body.signals, one)
+    return _Piece(one, np.fft.rfft(template, axis=0), np.sum(template**2, axis=0))
+
+
+def _joined(body: Body, home: _Piece, other: _Piece) -> Predicted | None:
     """Return two stretches as one, or None if they are two behaviours."""
+    first, second = home.own, other.own
+    if abs(np.log(first.period / second.period)) > np.log1p(MERGING.tempo):
+        return None
     claimed = first.claimed & second.claimed
     if not _mostly(first, claimed) or not _mostly(second, claimed):
         return None
-    if abs(np.log(first.period / second.period)) > np.log1p(MERGING.tempo):
-        return None
-    signal = body.signals_of(claimed)
-    shift, agrees = _best_shift(_template(signal, first), _template(signal, second))
+    shift, agrees = _best_shift(home, other, body.columns_of(claimed), first.times.shape[1])
     if agrees < MERGING.alike:
         return None
     times = np.concatenate([first.times, _shifted(second, shift)])
@@ -81,11 +96,13 @@ def _template(signal: Array, one: Predicted) -> Array:
     return np.asarray(mean - mean.mean(axis=0))
 
 
-def _best_shift(first: Array, second: Array) -> tuple[int, float]:
+def _best_shift(
+    first: _Piece, second: _Piece, columns: NDArray[np.intp], phases: int
+) -> tuple[int, float]:
     """Return by how many phases the second comes earlier, and how alike they are then, up to 1."""
-    spectra = np.fft.rfft(first, axis=0), np.fft.rfft(second, axis=0)
-    inner = np.fft.irfft(np.sum(spectra[0] * np.conj(spectra[1]), axis=1), len(first))
-    power = float(np.sum(first**2) + np.sum(second**2))
+    crossed = first.spectrum[:, columns] * np.conj(second.spectrum[:, columns])
+    inner = np.fft.irfft(np.sum(crossed, axis=1), phases)
+    power = float(first.power[columns].sum() + second.power[columns].sum())
     shift = int(np.argmax(inner))
     return shift, 2.0 * float(inner[shift]) / max(power, SMALLEST)
 

@@ -31,7 +31,7 @@ def phrase_of(body: Body, beat: Predicted) -> Predicted | None:
     start, stop = max(beat.runs, key=lambda run: run[1] - run[0])
     middle = np.nanmean(beat.times, axis=1)
     times = beat.times[(middle >= start) & (middle < stop)]
-    values = taken_at(body.signals_of(beat.claimed), times)
+    values = taken_at(body.signals, times)[:, :, body.columns_of(beat.claimed)]
     alone = _unexplained(values, 1)
     longest = PREDICTABILITY.longest * body.rate / beat.period
     for count in range(2, int(min(len(times) / NESTING.fewest, longest)) + 1):

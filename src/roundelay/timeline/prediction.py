@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 from roundelay.base.errors import TooShort
 from roundelay.base.numeric import ROUNDING, SMALLEST, TINY
 from roundelay.base.spans import Spans
-from roundelay.motion.poses import principal_components
 from roundelay.phase.period import return_period
 from roundelay.timeline.alignment import Aligned, Stretch, align_all, laid_out, taken_at
 from roundelay.timeline.limbs import Body
 from roundelay.timeline.proposals.proposal import Candidate
 from roundelay.timeline.thresholds import ALIGNMENT, PREDICTABILITY, PREDICTION
 
-__all__ = ["Predicted", "dimension", "microscale", "predict_all", "within"]
+__all__ = ["Predicted", "dimension", "microscale", "predict_all", "predict_each", "within"]
 
 Array = NDArray[np.float64]
 
@@ -114,12 +113,24 @@ def predict_all(body: Body, found: Sequence[Candidate]) -> list[Predicted]:
     list of Predicted
         Without the candidates that do not go around.
     """
-    groups, waiting, predicted = body.groups(), list(found), list[Predicted]()
-    signals = {name: _group_signal(body, groups[name]) for name in {c.group for c in found}}
+    return [one for _, one in _predicted_all(body, found)]
+
+
+def predict_each(body: Body, found: Sequence[Candidate]) -> list[list[Predicted]]:
+    """Do the same, candidate by candidate."""
+    each: list[list[Predicted]] = [[] for _ in found]
+    for place, one in _predicted_all(body, found):
+        each[place].append(one)
+    return each
+
+
+def _predicted_all(body: Body, found: Sequence[Candidate]) -> list[tuple[int, Predicted]]:
+    """Return what goes around, with the place of the candidate that it is of."""
+    waiting, predicted = list(enumerate(found)), list[tuple[int, Predicted]]()
     while waiting:
-        going = _predicted_from(body, waiting, signals)
+        going = _predicted_from(body, waiting)
         predicted += going
-        waiting = [rest for one in going for rest in _unexplained(one)]
+        waiting = [(place, rest) for place, one in going for rest in _unexplained(one)]
     return predicted
 
 
@@ -128,36 +139,33 @@ def _unexplained(one: Predicted) -> Iterator[Candidate]:
     period, whole = one.candidate.period, one.candidate.stop - one.candidate.start
     if one.candidate.turns is not None:
         return
-    free = np.zeros(one.candidate.stop, bool)
-    free[one.candidate.start :] = True
+    first = one.candidate.start
+    free = np.ones(whole, bool)
     for start, stop in one.runs:
-        free[max(0, int(start)) : int(np.ceil(stop))] = False
-    for start, stop in Spans.of_mask(free):
+        free[max(0, int(start) - first) : max(0, int(np.ceil(stop)) - first)] = False
+    for start, stop in Spans.of_mask(free).moved(first):
         if PREDICTABILITY.periods * period <= stop - start <= whole - period:
             yield replace(one.candidate, start=start, stop=stop)
 
 
 def _predicted_from(
-    body: Body, found: Sequence[Candidate], signals: dict[str, Array]
-) -> list[Predicted]:
+    body: Body, found: Sequence[tuple[int, Candidate]]
+) -> list[tuple[int, Predicted]]:
     going = []
-    for candidate in found:
-        stretch = _stretch(signals[candidate.group], candidate)
+    for place, candidate in found:
+        stretch = _stretch(body.axes_of(candidate.group), candidate)
         if len(stretch.values[stretch.core]) >= ALIGNMENT.samples:
-            going.append((candidate, stretch))
-    unknown = [stretch for candidate, stretch in going if candidate.turns is None]
-    aligned = iter(align_all(unknown))
+            going.append((place, candidate, stretch))
+    aligned = iter(align_all([stretch for _, one, stretch in going if one.turns is None]))
     laid = [
-        (one, stretch, next(aligned) if one.turns is None else laid_out(stretch, one.turns))
-        for one, stretch in going
+        (place, one, stretch, next(aligned) if one.turns is None else laid_out(stretch, one.turns))
+        for place, one, stretch in going
     ]
-    return [_predicted(body, one, stretch, own) for one, stretch, own in laid if own is not None]
-
-
-def _group_signal(body: Body, members: tuple[int, ...]) -> Array:
-    """Return the principal axes (n, k) of a group of limbs."""
-    axes = principal_components(body.signals[:, body.columns(members)], PREDICTION.held)
-    return axes[:, : PREDICTION.axes]
+    return [
+        (place, _predicted(body, one, stretch, own))
+        for place, one, stretch, own in laid
+        if own is not None
+    ]
 
 
 def _stretch(signal: Array, candidate: Candidate) -> Stretch:
@@ -170,8 +178,10 @@ def _stretch(signal: Array, candidate: Candidate) -> Stretch:
     if step > PREDICTION.coarse:
         # An average over the step, so that nothing faster is mistaken for something slower.
         width = round(step)
-        sums = np.concatenate([np.zeros((1, signal.shape[1])), np.cumsum(signal, axis=0)])
         begin = np.clip(np.round(where - width / 2).astype(np.intp), 0, len(signal) - width)
+        own = signal[begin[0] : begin[-1] + width]
+        sums = np.concatenate([np.zeros((1, signal.shape[1])), np.cumsum(own, axis=0)])
+        begin -= begin[0]
         values = (sums[begin + width] - sums[begin]) / width
     else:
         values = taken_at(signal, where)
@@ -182,27 +192,33 @@ def _stretch(signal: Array, candidate: Candidate) -> Stretch:
 
 def _predicted(body: Body, candidate: Candidate, stretch: Stretch, aligned: Aligned) -> Predicted:
     own = stretch.values
-    explained, seen, again, each = _left_out(_at(own, aligned.times, stretch))
+    values = taken_at(own, (aligned.times - stretch.first) / stretch.step)
+    left = _left_out(values, [slice(None)])
+    explained, each = left.scores([0])
     inside = np.concatenate([own[run] for run in aligned.runs.slices()])
+    centred = inside - inside.mean(axis=0)
     steps = np.concatenate([np.diff(own[run], axis=0) for run in aligned.runs.slices()])
-    slowness = max(microscale(inside, steps) / ALIGNMENT.samples, PREDICTION.certain)
+    change = float(np.sum(np.mean(steps**2, axis=0))) if len(steps) else 0.0
+    scale = microscale(float(np.sum(np.var(inside, axis=0))), change)
+    slowness = max(scale / ALIGNMENT.samples, PREDICTION.certain)
     turns = [aligned.phase[b - 1] - aligned.phase[a] for a, b in aligned.runs]
     ends = [
         (stretch.first + stretch.step * a, stretch.first + stretch.step * b)
         for a, b in aligned.runs
     ]
-    limbs, amplitudes, limb_each = _by_limb(body, aligned.times)
+    taken = taken_at(body.signals, aligned.times)
+    limbs, amplitudes, limb_each = _by_limb(body, taken, _limbs_left_out(body, taken))
     return Predicted(
         candidate,
         aligned.times,
         tuple(ends),
         stretch.step * _return_time(aligned),
         float(sum(turns)),
-        seen,
-        again,
+        left.seen,
+        left.again,
         explained,
         each,
-        again * dimension(inside) / (np.pi * slowness),
+        left.again * dimension(centred.T @ centred) / (np.pi * slowness),
         slowness,
         limbs,
         amplitudes,
@@ -215,78 +231,99 @@ def _repeating(limbs: Array, amplitudes: Array) -> NDArray[np.bool_]:
     return (limbs >= PREDICTION.repeats) & (amplitudes >= PREDICTABILITY.least)
 
 
-def _at(values: Array, times: Array, stretch: Stretch) -> Array:
-    return taken_at(values, (times - stretch.first) / stretch.step)
+@dataclass(frozen=True, eq=False)
+class _LeftOut:
+    """What the other repetitions leave of each at the same phase, part by part of the signals.
+
+    Attributes
+    ----------
+    seen : float
+        Periods that could be predicted.
+    again : float
+        Periods seen again.
+    error, spread : (P, R) ndarray
+        Squared differences of every part in every repetition from the mean of the others, and
+        from that of all.
+    floor : (R,) ndarray
+        Those that count as none.
+    """
+
+    seen: float
+    again: float
+    error: Array
+    spread: Array
+    floor: Array
+
+    def scores(self, parts: Sequence[int]) -> tuple[float, Array]:
+        """Return R^2 of some parts together, and of every repetition (R,).
+
+        It is -1 if nothing could be predicted, and then 0 of each.
+        """
+        if not self.seen:
+            return -1.0, np.zeros(len(self.floor))
+        rows = list(parts)
+        error, spread = (own[rows].sum(axis=0) + self.floor for own in (self.error, self.spread))
+        total = max(float(spread.sum()), TINY)
+        return 1.0 - float(error.sum()) / total, 1.0 - error / np.maximum(spread, TINY)
 
 
-def _by_limb(body: Body, times: Array) -> tuple[Array, Array, Array]:
-    """Return R^2 (L,), amplitude (L,) and R^2 of every repetition (L, R) of every limb."""
-    values = taken_at(body.signals, times)
-    explained, amplitudes, each = [], [], []
-    for limb in body.limbs:
-        own = values[:, :, slice(*limb.columns)]
-        limb_explained, _, _, limb_each = _left_out(own)
-        explained.append(limb_explained)
-        each.append(limb_each)
-        amplitudes.append(np.sqrt(np.nansum(np.nanvar(own.reshape(-1, own.shape[2]), axis=0))))
-    return np.array(explained), np.array(amplitudes), np.array(each)
-
-
-def _left_out(values: Array) -> tuple[float, float, float, Array]:
+def _left_out(values: Array, parts: Sequence[slice]) -> _LeftOut:
     """Predict every repetition by the mean of the others at the same phase.
 
     Parameters
     ----------
     values : (R, 48, d) ndarray
         NaN where a repetition does not pass a phase.
-
-    Returns
-    -------
-    explained : float
-        R^2 over all that could be predicted; -1 if nothing could.
-    seen : float
-        Periods that could be predicted.
-    again : float
-        Periods seen again.
-    each : (R,) ndarray
-        R^2 of every repetition.
+    parts : sequence of slice
+        Columns.
     """
     passed = np.isfinite(values[:, :, 0])
     x = np.where(passed[:, :, None], values, 0.0)
     count = passed.sum(axis=0)
     used = passed & (count >= 2)
-    if not used.any():
-        return -1.0, 0.0, 0.0, np.zeros(len(values))
     others = (x.sum(axis=0) - x) / np.maximum(count - 1, 1)[:, None]
-    error = np.sum(np.sum((x - others) ** 2, axis=2) * used, axis=1)
-    mean = np.sum(x * used[:, :, None], axis=(0, 1)) / used.sum()
-    spread = np.sum(np.sum((x - mean) ** 2, axis=2) * used, axis=1)
-    floor = PREDICTABILITY.least**2 * used.sum(axis=1)
-    total = max(float((spread + floor).sum()), TINY)
-    each = 1.0 - (error + floor) / np.maximum(spread + floor, TINY)
-    explained = 1.0 - float((error + floor).sum()) / total
+    mean = np.sum(x * used[:, :, None], axis=(0, 1)) / max(used.sum(), 1)
+    error, spread = (
+        np.array([np.sum(np.sum(apart[:, :, own], axis=2) * used, axis=1) for own in parts])
+        for apart in ((x - others) ** 2, (x - mean) ** 2)
+    )
     again = float(np.maximum(count - 1, 0).sum() / ALIGNMENT.grid)
-    return explained, float(used.sum() / ALIGNMENT.grid), again, each
+    floor = PREDICTABILITY.least**2 * used.sum(axis=1)
+    return _LeftOut(float(used.sum() / ALIGNMENT.grid), again, error, spread, floor)
 
 
-def dimension(values: Array) -> float:
-    """Return the participation ratio of the variances of signals (n, d) along principal axes."""
-    centred = values - values.mean(axis=0)
-    covariance = centred.T @ centred
-    return float(np.trace(covariance) ** 2 / max(float(np.sum(covariance**2)), SMALLEST))
+def _limbs_left_out(body: Body, values: Array) -> _LeftOut:
+    return _left_out(values, [slice(*limb.columns) for limb in body.limbs])
 
 
-def microscale(values: Array, steps: Array) -> float:
-    """Return sigma / sigma' (Taylor's microscale) of signals (n, d), in samples.
+def _by_limb(body: Body, values: Array, left: _LeftOut) -> tuple[Array, Array, Array]:
+    """Return R^2 (L,), amplitude (L,) and R^2 of every repetition (L, R) of every limb."""
+    explained, each = zip(*(left.scores([place]) for place in range(len(body.limbs))), strict=True)
+    power = np.var(values[np.isfinite(values[:, :, 0])], axis=0)
+    amplitudes = [np.sqrt(np.nansum(power[slice(*limb.columns)])) for limb in body.limbs]
+    return np.array(explained), np.array(amplitudes), np.array(each)
+
+
+def dimension(covariance: Array) -> float:
+    """Return the participation ratio of the variances of signals along principal axes.
 
     Parameters
     ----------
-    values : (n, d) ndarray
-    steps : (m, d) ndarray
-        From sample to sample.
+    covariance : (d, d) ndarray
+        Of the signals, at any scale.
     """
-    change = float(np.sum(np.mean(steps**2, axis=0))) if len(steps) else 0.0
-    return float(np.sqrt(np.sum(np.var(values, axis=0)) / max(change, SMALLEST)))
+    return float(np.trace(covariance) ** 2 / max(float(np.sum(covariance**2)), SMALLEST))
+
+
+def microscale(variance: float, change: float) -> float:
+    """Return sigma / sigma' (Taylor's microscale) of signals, in samples.
+
+    Parameters
+    ----------
+    variance, change : float
+        Their variance, and the mean square of their change from sample to sample.
+    """
+    return float(np.sqrt(variance / max(change, SMALLEST)))
 
 
 def _return_time(aligned: Aligned) -> float:
@@ -308,19 +345,20 @@ def within(body: Body, one: Predicted, runs: Sequence[tuple[float, float]]) -> P
     if not len(times):
         return None
     members = body.groups()[one.candidate.group]
-    signal = body.signals[:, body.columns(members)]
-    explained, seen, again, each = _left_out(taken_at(signal, times))
-    limbs, amplitudes, limb_each = _by_limb(body, times)
+    values = taken_at(body.signals, times)
+    left = _limbs_left_out(body, values)
+    explained, each = left.scores(members)
+    limbs, amplitudes, limb_each = _by_limb(body, values, left)
     return replace(
         one,
         times=times,
         runs=tuple(runs),
         repetitions=float(np.isfinite(times).sum() / ALIGNMENT.grid),
-        seen=seen,
-        again=again,
+        seen=left.seen,
+        again=left.again,
         explained=explained,
         each=each,
-        numbers=one.numbers * again / max(one.again, ROUNDING),
+        numbers=one.numbers * left.again / max(one.again, ROUNDING),
         limbs=limbs,
         amplitudes=amplitudes,
         limb_each=limb_each,

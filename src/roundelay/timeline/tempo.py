@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from roundelay.base.spans import Spans
 from roundelay.timeline.agreement import best_lag
 from roundelay.timeline.limbs import Body
-from roundelay.timeline.prediction import Predicted, predict_all, within
+from roundelay.timeline.prediction import Predicted, predict_each, within
+from roundelay.timeline.proposals.proposal import Candidate
 from roundelay.timeline.thresholds import ACCOUNT, ALIGNMENT, TEMPO
 
 __all__ = ["local_periods", "refined", "steady_pieces", "without_pauses"]
@@ -35,52 +38,98 @@ def local_periods(one: Predicted) -> tuple[Array, Array]:
     return when[order], lasted[order]
 
 
-def steady_pieces(body: Body, one: Predicted) -> list[Predicted]:
-    """Cut a stretch where its tempo changes for good; each piece is measured by itself."""
+def steady_pieces(body: Body, found: Sequence[Predicted]) -> list[list[Predicted]]:
+    """Cut stretches where their tempo changes for good; each piece is measured by itself.
+
+    Parameters
+    ----------
+    body : Body
+    found : sequence of Predicted
+
+    Returns
+    -------
+    list of list of Predicted
+        The pieces of each; none where its tempo is steady.
+    """
+    cut = [
+        [(place, piece) for piece in _measured(body, one, _pieces_by_tempo(one))]
+        for place, one in enumerate(found)
+    ]
+    pieces = [own for each in cut for own in each]
+    result: list[list[Predicted]] = [[] for _ in found]
+    free = [found[place].claimed for place, _ in pieces]
+    again = _aligned_again(body, [piece for _, piece in pieces], free)
+    for (place, _), piece in zip(pieces, again, strict=True):
+        if piece.claimed.any():
+            result[place].append(refined(body, piece))
+    return result
+
+
+def _pieces_by_tempo(one: Predicted) -> list[tuple[float, float, float]]:
+    """List from where to where which period lasts; nothing where the tempo is steady."""
     when, lasted = local_periods(one)
     if len(when) < ALIGNMENT.grid // 2 or one.candidate.turns is not None:
-        return [refined(body, one)]
+        return []
     width = ALIGNMENT.grid // 4
-    smooth = np.array(
-        [
-            np.median(lasted[max(0, i - width) : i + width + 1])
-            for i in range(0, len(lasted), width // 2)
-        ]
-    )
+    smooth = _medians(lasted, width)
     # A passage tells of the time until the next: half of it lies behind its middle.
     middles = when[:: width // 2] + 0.5 * smooth
-    cuts = _pieces(np.log(smooth))
-    if len(cuts) == 1:
-        return [refined(body, one)]
-    found = []
+    cuts, found = _pieces(np.log(smooth)), []
     for number, (first, last) in enumerate(cuts):
         period = float(np.exp(np.median(np.log(smooth[first:last]))))
-        begin = -np.inf if number == 0 else middles[first]
-        end = np.inf if last == len(smooth) else middles[last]
+        begin = -np.inf if number == 0 else float(middles[first])
+        end = np.inf if last == len(smooth) else float(middles[last])
+        found.append((begin, end, period))
+    return found if len(cuts) > 1 else []
+
+
+def _medians(values: Array, width: int) -> Array:
+    """Return the medians within so many values to either side, at every half width."""
+    padded = np.pad(values, width, constant_values=np.inf)
+    around = np.sort(sliding_window_view(padded, 2 * width + 1)[:: width // 2], axis=1)
+    every, seen = np.arange(len(around)), np.isfinite(around).sum(axis=1)
+    return np.asarray(0.5 * (around[every, (seen - 1) // 2] + around[every, seen // 2]))
+
+
+def _measured(
+    body: Body, one: Predicted, pieces: Sequence[tuple[float, float, float]]
+) -> Iterator[Predicted]:
+    """Yield the pieces that are long enough, each measured in its own runs."""
+    for begin, end, period in pieces:
         runs = [(max(a, begin), min(b, end)) for a, b in one.runs]
         runs = [(a, b) for a, b in runs if b - a >= ACCOUNT.run * period]
         if sum(b - a for a, b in runs) < TEMPO.periods * period:
             continue
-        piece = _aligned_again(body, within(body, replace(one, period=period), runs), one.claimed)
-        if piece is not None and piece.claimed.any():
-            found.append(refined(body, piece))
-    return found or [refined(body, one)]
+        piece = within(body, replace(one, period=period), runs)
+        if piece is not None:
+            yield piece
 
 
-def _aligned_again(body: Body, piece: Predicted | None, free: Mask) -> Predicted | None:
-    """Lay a piece of one run around a template of its own, if more free limbs repeat by it."""
-    if piece is None or len(piece.runs) != 1:
-        return piece
+def _aligned_again(
+    body: Body, pieces: Sequence[Predicted], free: Sequence[Mask]
+) -> list[Predicted]:
+    """Lay pieces of one run around templates of their own, if more free limbs repeat by them."""
+    single = [place for place, piece in enumerate(pieces) if len(piece.runs) == 1]
+    found = list(pieces)
+    for place, own in zip(
+        single, predict_each(body, [_by_itself(pieces[place]) for place in single]), strict=True
+    ):
+        piece = pieces[place]
+        measured = (within(body, again, piece.runs) for again in own)
+        claimed = (
+            replace(inside, claimed=inside.claimed & free[place])
+            for inside in measured
+            if inside is not None
+        )
+        found[place] = next((one for one in claimed if one.share > piece.share), piece)
+    return found
+
+
+def _by_itself(piece: Predicted) -> Candidate:
+    """Return the candidate of a piece of one run."""
     ((start, stop),) = piece.runs
-    own = replace(piece.candidate, start=int(start), stop=int(np.ceil(stop)), period=piece.period)
-    for again in predict_all(body, [own]):
-        inside = within(body, again, piece.runs)
-        if inside is None:
-            continue
-        inside = replace(inside, claimed=inside.claimed & free)
-        if inside.share > piece.share:
-            return inside
-    return piece
+    own = piece.candidate
+    return replace(own, start=int(start), stop=int(np.ceil(stop)), period=piece.period)
 
 
 def without_pauses(one: Predicted) -> Predicted:
@@ -137,7 +186,7 @@ def refined(body: Body, one: Predicted) -> Predicted:
     body : Body
     one : Predicted
     """
-    lag, agrees = best_lag(body.seen_of(one.claimed), one.runs, one.period)
+    lag, agrees = best_lag(body.seen_of(one.claimed, one.runs), one.period)
     return replace(one, period=lag, agrees=agrees) if agrees > 0.0 else one
 
 

@@ -11,6 +11,7 @@ repeats nothing. Cost grows linearly with the take: long lags are looked at on a
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.timeline.limbs import Body
+from roundelay.timeline.proposals.paths import best_paths
 from roundelay.timeline.proposals.proposal import Candidate
 from roundelay.timeline.thresholds import PREDICTABILITY
 
@@ -25,6 +27,9 @@ __all__ = ["Recurrence"]
 
 Array = NDArray[np.float64]
 Paths = NDArray[np.intp]
+
+# At most so many numbers are held at once.
+_BLOCK = 8_000_000
 
 
 @dataclass(frozen=True)
@@ -46,8 +51,7 @@ class Recurrence:
         lags = _lags(len(body), body.rate)
         if not len(lags) or not groups:
             return []
-        values = _predictability(body, groups, lags)
-        paths = _paths(values, lags)
+        paths, values = best_paths(_predictability(body, groups, lags), lags)
         found = []
         for name, path, own in zip(groups, paths, values, strict=True):
             found += [
@@ -69,144 +73,131 @@ def _lags(samples: int, rate: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Clock:
-    """Signals on a coarser clock, with running sums."""
+    """Signals (d, n) on a coarser clock, with running sums."""
 
     values: NDArray[np.float32]
     sums: Array
     squares: Array
     seconds: float
+    begins: Paths
 
     @classmethod
-    def of(cls, body: Body, begins: Paths, times: int) -> _Clock:
+    def of(cls, body: Body, times: int) -> _Clock:
         """Average so many samples into one."""
+        begins = np.array([limb.columns[0] for limb in body.limbs])
         count = len(body) // times
         x = body.signals[: count * times].reshape(count, times, -1).mean(axis=1)
+        x = np.ascontiguousarray(x.T)
         return cls(
             x.astype(np.float32),
             _running(x),
-            _running(np.add.reduceat(x * x, begins, axis=1)),
+            _running(_limb_sums(x * x, begins)),
             times / body.rate,
+            begins,
         )
 
 
-def _running(values: Array) -> Array:
-    return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0, dtype=float)])
+def _running(values: NDArray[np.floating]) -> Array:
+    sums = np.zeros((len(values), values.shape[1] + 1))
+    np.cumsum(values, axis=1, dtype=float, out=sums[:, 1:])
+    return sums
+
+
+def _limb_sums(values: NDArray[np.floating], begins: Paths) -> NDArray[np.floating]:
+    """Return the sums (limbs, n) over the columns of each limb, of values (d, n)."""
+    found = np.empty((len(begins), values.shape[1]), values.dtype)
+    for own, (start, stop) in zip(found, pairwise([*begins, len(values)]), strict=True):
+        own[:] = values[start]
+        if stop > start + 1:
+            own += values[start + 1 : stop].sum(axis=0)
+    return found
 
 
 def _predictability(
     body: Body, groups: dict[str, tuple[int, ...]], lags: Array
-) -> NDArray[np.float32]:
-    """Return S (groups, hops, lags): the best over the windows of two periods that hold a hop."""
-    begins = np.array([limb.columns[0] for limb in body.limbs])
+) -> Iterator[NDArray[np.float32]]:
+    """Yield S (hops, groups, lags): the best over the windows of two periods that hold a hop.
+
+    In blocks of hops, so that memory does not grow with the take.
+    """
     member = np.array(
         [[float(place in inside) for place in range(len(body.limbs))] for inside in groups.values()]
     )
     hops = (
-        np.arange(max(1, int(np.ceil(len(body) / body.rate / PREDICTABILITY.hop))))
+        np.arange(max(1, int(np.ceil(len(body) / body.rate / PREDICTABILITY.hop))), dtype=float)
         * PREDICTABILITY.hop
     )
-    result = np.full((len(groups), len(hops), len(lags)), -1.0, np.float32)
-    clocks: dict[int, _Clock] = {}
-    for number, lag in enumerate(lags):
-        times = 1 << (max(1, int(lag * body.rate / PREDICTABILITY.samples)).bit_length() - 1)
-        if times not in clocks:
-            clocks[times] = _Clock.of(body, begins, times)
-        clock = clocks[times]
-        windows = _windows(clock, begins, lag / clock.seconds)
-        if windows is None:
-            continue
-        apart, variance, length = windows
-        own = variance @ member.T
-        values = 1.0 - (apart @ member.T + 2 * PREDICTABILITY.least**2) / (
-            2.0 * (own + PREDICTABILITY.least**2)
-        )
-        best = _running_max(values, length)
-        at = np.minimum((hops / clock.seconds).astype(np.intp), len(best) - 1)
-        result[:, :, number] = best[at].T
-    return result
+    clocks = {times: _Clock.of(body, times) for times in {_times(lag, body.rate) for lag in lags}}
+    size = max(1, _BLOCK // (len(groups) * len(lags)))
+    for start in range(0, len(hops), size):
+        own = hops[start : start + size]
+        result = np.full((len(lags), len(groups), len(own)), -1.0, np.float32)
+        for lag, values in zip(lags, result, strict=True):
+            clock = clocks[_times(lag, body.rate)]
+            best = _best_of_windows(clock, member, lag / clock.seconds, own / clock.seconds)
+            if best is not None:
+                values[:] = best
+        yield np.ascontiguousarray(result.T)
 
 
-def _windows(clock: _Clock, begins: Paths, lag: float) -> tuple[Array, Array, int] | None:
-    """Return D and V (windows, limbs) of every window of two periods, and its length.
+def _times(lag: float, rate: float) -> int:
+    """Return how many samples of the body are one of the clock on which a lag is looked at."""
+    return 1 << (max(1, int(lag * rate / PREDICTABILITY.samples)).bit_length() - 1)
+
+
+def _best_of_windows(clock: _Clock, member: Array, lag: float, hops: Array) -> Array | None:
+    """Return S (groups, hops) of a lag, both in samples of the clock; None if it is too long.
 
     A take of less than two periods is one window, in which less than a period is compared.
     """
-    x, whole, part = clock.values, int(lag), np.float32(lag % 1.0)
-    count = len(x)
+    count, whole = clock.values.shape[1], int(lag)
     width = min(round(lag), count - whole - 1)
     if width < max(3, int(np.ceil(PREDICTABILITY.again * lag))):
         return None
-    moved = x[whole : count - 1] * (1 - part) + x[whole + 1 :] * part
-    difference = x[: count - whole - 1] - moved
-    sums = _running(np.add.reduceat(difference * difference, begins, axis=1))
-    apart = (sums[width:] - sums[:-width]) / width
-    mean = _both(clock.sums, len(apart), whole, width)
-    squares = _both(clock.squares, len(apart), whole, width)
-    variance = squares - np.add.reduceat(mean * mean, begins, axis=1)
-    return apart, np.maximum(variance, 0.0), min(width + whole + 1, count)
+    length, windows = min(width + whole + 1, count), count - whole - width
+    at = np.minimum(hops.astype(np.intp), windows + length - 2)
+    first, last = max(0, int(at[0]) - length + 1), min(windows, int(at[-1]) + 1)
+    apart, variance = _windows(clock, lag, width, first, last)
+    values = member @ apart + 2 * PREDICTABILITY.least**2
+    values /= 2.0 * (member @ variance + PREDICTABILITY.least**2)
+    return _running_max(1.0 - values, length)[:, at - first]
+
+
+def _windows(clock: _Clock, lag: float, width: int, first: int, last: int) -> tuple[Array, Array]:
+    """Return D and V (limbs, windows) of windows of two periods, by their first samples."""
+    x, whole, part = clock.values, int(lag), np.float32(lag % 1.0)
+    count, end = last - first, last + width - 1
+    moved = x[:, whole + first : whole + end + 1]
+    difference = x[:, first:end] - (moved[:, :-1] * (1 - part) + moved[:, 1:] * part)
+    difference *= difference
+    sums = _running(_limb_sums(difference, clock.begins))
+    apart = (sums[:, width:] - sums[:, :-width]) / width
+    mean = _both(clock.sums[:, first:], count, whole, width)
+    mean *= mean
+    variance = _both(clock.squares[:, first:], count, whole, width)
+    variance -= _limb_sums(mean, clock.begins)
+    return apart, np.maximum(variance, 0.0, out=variance)
 
 
 def _both(sums: Array, count: int, whole: int, width: int) -> Array:
     """Return the means over both halves of so many windows, from running sums."""
-    later = sums[whole + 1 :]
-    early = sums[width : width + count] - sums[:count]
-    late = later[width : width + count] - later[:count]
-    return np.asarray((early + late) / (2.0 * width))
+    later = sums[:, whole + 1 :]
+    both = sums[:, width : width + count] - sums[:, :count]
+    both += later[:, width : width + count] - later[:, :count]
+    both /= 2.0 * width
+    return both
 
 
 def _running_max(values: Array, width: int) -> Array:
-    """Return the largest (n + width - 1, g) of the values (n, g) whose windows hold a sample."""
-    result = np.full((len(values) + width - 1, values.shape[1]), -np.inf)
-    result[: len(values)] = values
+    """Return the largest (g, n + width - 1) of the values (g, n) whose windows hold a sample."""
+    result = np.full((len(values), values.shape[1] + width - 1), -np.inf)
+    result[:, : values.shape[1]] = values
     reached = 1
     while reached < width:
         step = min(reached, width - reached)
-        np.maximum(result[step:], result[:-step].copy(), out=result[step:])
+        np.maximum(result[:, step:], result[:, :-step].copy(), out=result[:, step:])
         reached += step
     return result
-
-
-def _paths(values: NDArray[np.float32], lags: Array) -> Paths:
-    """Return the lag (groups, hops) that explains each hop best, -1 for none: Viterbi's path."""
-    groups, hops, count = values.shape
-    least = PREDICTABILITY.explained + PREDICTABILITY.longer * np.log2(lags / lags[0])
-    periods = np.sqrt(PREDICTABILITY.hop / lags)
-    back = np.zeros((hops, groups, count + 1), np.int16)
-    none, best, rows = np.zeros(groups), (values[:, 0] - least) * periods, np.arange(groups)
-    for hop in range(1, hops):
-        top = best.argmax(axis=1)
-        highest = best[rows, top]
-        stay, source = _kept_or_near(best)
-        other = highest - PREDICTABILITY.other * PREDICTABILITY.switch
-        enter = np.maximum(none - PREDICTABILITY.switch, other)
-        entered = np.where(none - PREDICTABILITY.switch >= other, -1, top)
-        fresh = enter[:, None] > stay
-        back[hop, :, 1:] = np.where(fresh, entered[:, None], source)
-        leave = highest - PREDICTABILITY.switch
-        back[hop, :, 0] = np.where(leave > none, top, -1)
-        none = np.maximum(none, leave)
-        best = np.where(fresh, enter[:, None], stay) + (values[:, hop] - least) * periods
-    paths = np.zeros((groups, hops), np.intp)
-    top = best.argmax(axis=1)
-    paths[:, -1] = np.where(best[rows, top] > none, top, -1)
-    for hop in range(hops - 1, 0, -1):
-        paths[:, hop - 1] = back[hop, rows, paths[:, hop] + 1]
-    return paths
-
-
-def _kept_or_near(best: Array) -> tuple[Array, Paths]:
-    """Return the best (groups, lags) of the same lag and those near it, and which lag that was."""
-    reach, count = PREDICTABILITY.reach, best.shape[1]
-    padded = np.pad(best, ((0, 0), (reach, reach)), constant_values=-np.inf)
-    around = np.stack(
-        [
-            padded[:, reach + shift : reach + shift + count] - PREDICTABILITY.wobble * abs(shift)
-            for shift in range(-reach, reach + 1)
-        ]
-    )
-    choice = around.argmax(axis=0)
-    stay = np.take_along_axis(around, choice[None], axis=0)[0]
-    return stay, np.arange(count) + choice - reach
 
 
 def _runs(path: Paths) -> list[tuple[int, int]]:
@@ -235,7 +226,7 @@ def _steady(
         begin = int(a * PREDICTABILITY.hop * body.rate)
         end = min(len(body), int(np.ceil(b * PREDICTABILITY.hop * body.rate)))
         if end - begin >= PREDICTABILITY.periods * lag * body.rate:
-            clear = float(own[np.arange(a, b), path[a:b]].mean())
+            clear = float(own[a:b].mean())
             found.append(_Rated(Candidate(group, begin, end, lag * body.rate), clear))
     return found
 
@@ -252,16 +243,19 @@ def _pieces(lags: Paths) -> list[tuple[int, int]]:
 
 
 def _deviation(lags: Paths) -> float:
-    return float(np.abs(lags - np.median(lags)).sum())
+    """Return how far lags lie from their median, together: the upper half less the lower."""
+    ordered, half = np.sort(lags), len(lags) // 2
+    return float(ordered[len(lags) - half :].sum() - ordered[:half].sum())
 
 
 def _distinct(found: list[_Rated]) -> list[Candidate]:
     """Keep the clearest of those that are nearly the same."""
-    kept: list[Candidate] = []
-    for rated in sorted(found, key=_clearness, reverse=True):
-        if not any(_alike(rated.candidate, other) for other in kept):
-            kept.append(rated.candidate)
-    return kept
+    ranked = [rated.candidate for rated in sorted(found, key=_clearness, reverse=True)]
+    bounds = np.array([(one.start, one.stop, one.period) for one in ranked]).reshape(-1, 3)
+    kept = np.zeros(len(ranked), bool)
+    for place, own in enumerate(bounds):
+        kept[place] = not _alike(own, bounds[:place][kept[:place]]).any()
+    return [one for one, own in zip(ranked, kept, strict=True) if own]
 
 
 def _clearness(rated: _Rated) -> float:
@@ -269,8 +263,9 @@ def _clearness(rated: _Rated) -> float:
     return rated.predictability + PREDICTABILITY.clearer * float(np.log(length))
 
 
-def _alike(first: Candidate, second: Candidate) -> bool:
-    shared = min(first.stop, second.stop) - max(first.start, second.start)
-    covered = max(first.stop, second.stop) - min(first.start, second.start)
-    near = abs(np.log(first.period / second.period)) < PREDICTABILITY.near
-    return bool(near and shared > PREDICTABILITY.same * covered)
+def _alike(own: Array, others: Array) -> NDArray[np.bool_]:
+    """Tell which others (n, 3) are nearly one of the same start, stop and period (3,)."""
+    shared = np.minimum(own[1], others[:, 1]) - np.maximum(own[0], others[:, 0])
+    covered = np.maximum(own[1], others[:, 1]) - np.minimum(own[0], others[:, 0])
+    near = np.abs(np.log(own[2] / others[:, 2])) < PREDICTABILITY.near
+    return np.asarray(near & (shared > PREDICTABILITY.same * covered))

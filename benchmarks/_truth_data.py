@@ -152,18 +152,18 @@ def _another_order(cuts: list[str], rng: np.random.Generator) -> list[str]:
             return again
 
 
-def joined(motions: Sequence[rl.Motion]) -> rl.Motion:
+def joined(motions: Sequence[rl.Motion], blend: float = BLEND) -> rl.Motion:
     """Join motions, each begun where the one before ends and in its heading.
 
-    No frame is left out: the step of the pose at a join is taken back within .25 s.
+    No frame is left out: the step of the pose at a join is taken back within `blend` seconds.
     """
     taken = [motions[0]]
     for motion in motions[1:]:
-        taken.append(_continued(taken[-1], motion))
+        taken.append(_continued(taken[-1], motion, blend))
     return rl.concatenate(taken)
 
 
-def _continued(before: rl.Motion, motion: rl.Motion) -> rl.Motion:
+def _continued(before: rl.Motion, motion: rl.Motion, blend: float) -> rl.Motion:
     up = motion.up_vector
     step = rot.multiply(before.rotations[-1, 0], rot.conjugate(motion.rotations[0, 0]))
     turn = rot.twist(step, up)
@@ -172,16 +172,16 @@ def _continued(before: rl.Motion, motion: rl.Motion) -> rl.Motion:
     path += before.root_path[-1] * (1.0 - up) + motion.root_path[0] * up
     turned = motion.rotations.copy()
     turned[:, 0] = rot.multiply(turn, turned[:, 0])
-    fade = _fade(len(motion), motion.fps)
+    fade = _fade(len(motion), blend * motion.fps)
     left = rot.to_rotation_vector(rot.multiply(before.rotations[-1], rot.conjugate(turned[0])))
     turned = rot.multiply(rot.from_rotation_vector(fade[:, None, None] * left), turned)
     path = path + fade[:, None] * (before.root_path[-1] - path[0])
     return replace(motion, rotations=turned, root_path=path)
 
 
-def _fade(frames: int, fps: float) -> Array:
-    """Fall smoothly from 1 to 0 over a blend."""
-    part = np.clip(np.arange(frames) / (BLEND * fps), 0.0, 1.0)
+def _fade(frames: int, blend: float) -> Array:
+    """Fall smoothly from 1 to 0 over so many frames."""
+    part = np.clip(np.arange(frames) / blend, 0.0, 1.0)
     return 0.5 + 0.5 * np.cos(np.pi * part)
 
 

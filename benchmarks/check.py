@@ -42,7 +42,7 @@ from benchmarks.raunio import RUNS, WALKS
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import left_and_right
 from roundelay.geometry.skeleton import Skeleton
-from roundelay.loops.lint import left_phase, lint, phase_of_set
+from roundelay.loops.lint import lint, phase_of_set, taken_apart
 from roundelay.loops.mend import continued, mended
 from roundelay.loops.unrolled import body_path, seen, steps_of
 
@@ -167,7 +167,7 @@ def with_phases(made: list[Loop]) -> list[Loop]:
     ]
     phases: dict[str, list[float]] = defaultdict(list)
     for one in begun:
-        phase = left_phase(one.motion, wraps=False) if one.begun else None
+        phase = taken_apart(one.motion, wraps=False).phase if one.begun else None
         if phase is not None:
             phases[one.kind].append(phase)
     agreed = {kind: phase_of_set(found) for kind, found in phases.items()}

@@ -29,6 +29,8 @@ class Capture:
     truth: Truth
     second: tuple[int, ...] | None
     """Cuts of a second person."""
+    motion: rl.Motion | None = None
+    """None where only four channels are to be had."""
 
 
 def labelled(data: Path) -> list[Capture]:
@@ -37,7 +39,10 @@ def labelled(data: Path) -> list[Capture]:
         name: json.loads((data / "labels" / f"{name}.json").read_text())["sequences"]
         for name in ("barbic2004", "mocap6", "time2state")
     }
-    captures = [_capture(name, _quaternions(data, name), labels) for name in FULL]
+    captures = []
+    for name in FULL:
+        motion = rl.read(data / "cmu" / "acclaim" / name[:2] / f"{name}.amc")
+        captures.append(_capture(name, 2.0 * joint_quaternions(motion), labels, motion))
     for name in FOUR_CHANNELS:
         degrees = np.loadtxt(data / "cmu" / "four_channel" / f"{name}.txt")
         captures.append(_capture(f"{name} (4)", np.radians(degrees), labels))
@@ -52,16 +57,13 @@ def single_behaviours(data: Path) -> list[rl.Motion]:
     return [motion[1:] if motion.skeleton.names[0] == "Hips" else motion for motion in motions]
 
 
-def _quaternions(data: Path, name: str) -> np.ndarray:
-    motion = rl.read(data / "cmu" / "acclaim" / name[:2] / f"{name}.amc")
-    return 2.0 * joint_quaternions(motion)
-
-
-def _capture(name: str, values: np.ndarray, labels: dict) -> Capture:
+def _capture(
+    name: str, values: np.ndarray, labels: dict, motion: rl.Motion | None = None
+) -> Capture:
     trial = name[:5]
     second = labels["time2state"].get(trial)
     cuts = tuple(start for start, _, _ in second["segments"][1:]) if second else None
-    return Capture(name, values, 120.0, _truth(trial, labels), cuts)
+    return Capture(name, values, 120.0, _truth(trial, labels), cuts, motion)
 
 
 def _truth(trial: str, labels: dict) -> Truth:

@@ -35,6 +35,7 @@ from typing import Any
 import numpy as np
 
 import roundelay as rl
+from benchmarks._behaviour_takes import bandai_joins, clip_joins, hdm_joins
 from benchmarks._harness import RESULTS, parser, report
 from benchmarks.check import FAULTS, METRES, Loop, in_form
 from benchmarks.raunio import TABLES, find_capture
@@ -48,7 +49,7 @@ from roundelay.geometry.kinematics import vertical_axis
 from roundelay.library.groups import grouped
 from roundelay.library.store import Shelf
 from roundelay.loops.by_hand import CloseOptions, close_by_hand
-from roundelay.loops.lint import left_phase, lint
+from roundelay.loops.lint import lint, taken_apart
 from roundelay.loops.profiles import foot_contacts
 from roundelay.loops.units import Lengths
 from roundelay.loops.verdict import verdict_of
@@ -229,7 +230,7 @@ def _baseline(probe: Callable[[], Iterable[Outcome]]) -> list[Outcome]:
 def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
     """Return what shows the influence of a constant."""
     room, record, _ = one.name.split(".")
-    rooms = {"compare": _library, "segmentation": _gaussian, "geometry": _loops, "loops": _loops}
+    rooms = {"compare": _library, "segmentation": _behaviours, "geometry": _loops, "loops": _loops}
     records = {
         "segmentation.pca": _pca,
         "segmentation.ppca": _ppca,
@@ -388,7 +389,7 @@ def _faulty() -> list[_Faulty]:
         motion = cycle.sample()
         if len(motion) < 12:
             continue
-        phase, wraps = left_phase(motion, wraps=False), bool(number % 2)
+        phase, wraps = taken_apart(motion, wraps=False).phase, bool(number % 2)
         motion = motion.scaled(METRES / motion.skeleton.size)
         loop = Loop("", "", "", phase is not None, wraps, motion, phase=phase)
         faulty = (put(loop, strengths[0]) for put, strengths in FAULTS.values())
@@ -457,17 +458,20 @@ def _topology(motion: rl.Motion) -> Outcome:
 
 
 @cache
-def _labelled() -> tuple[list[Any], list[rl.Motion]]:
-    data = _PLACE[0]
+def _labelled() -> tuple[list[Any], list[tuple[rl.Motion, rl.Timeline]]]:
+    """Captures with labels; and motions with their timelines, which no cut changes."""
+    data, truth = _PLACE[0], _PLACE[0] / "truth"
     motions = [rl.read(data / "cmu" / "acclaim" / n[:2] / f"{n}.amc") for n in FULL]
-    return labelled(data), motions
+    for joined in (hdm_joins(truth, 2), bandai_joins(truth, 2), clip_joins(truth, 2)):
+        motions += [take.motion for take in joined]
+    return labelled(data), [(motion, rl.understand(motion)) for motion in motions]
 
 
-def _gaussian() -> Iterator[Outcome]:
+def _behaviours() -> Iterator[Outcome]:
     channels, motions = _labelled()
-    for motion in motions:
-        yield _cut(rl.segment(motion))
-        yield _cut(rl.segment(motion, n_segments=5))
+    for motion, told in motions:
+        yield _cut(rl.segment(motion, timeline=told))
+        yield _cut(rl.segment(motion, timeline=told, n_segments=5))
     for capture in channels:
         yield _cut(segment_channels(capture.values, capture.fps))
 

@@ -74,8 +74,8 @@ def _extract(context: Context, armature: Armature, settings: Any, whose: str) ->
         names = [bone.name for bone in capture.rig.bones]
         settings.notes += "".join(f"{whose}{line}\n" for line in left_out(armature, names))
     options = options_of(settings)
-    scene = context.scene.render
-    fps = scene.fps / scene.fps_base
+    output = context.scene.render
+    fps = output.fps / output.fps_base
     try:
         render = render_of(settings, fps)
         search = partial(_search, capture, options, settings.per_behaviour, render)

@@ -9,7 +9,6 @@ from typing import Any
 import bpy
 
 from roundelay import Motion, Segmentation, segment
-from roundelay.pipeline import with_periods
 from roundelay.segmentation import Segment
 
 from . import compat
@@ -43,7 +42,7 @@ class ROUNDELAY_OT_segment(LongOperator, bpy.types.Operator):
 
 
 def _cut(motion: Motion, sensitivity: float, progress: Progress) -> Segmentation:
-    return with_periods(segment(motion, sensitivity=sensitivity), motion, progress=progress)
+    return segment(motion, sensitivity=sensitivity, progress=progress)
 
 
 def _frames(capture: Capture, part: Segment, step: int) -> tuple[int, int]:

@@ -17,7 +17,7 @@ from bpy.props import (
 )
 
 from roundelay import LoopOptions, Options, TopologyOptions
-from roundelay.segmentation import GaussianOptions
+from roundelay.segmentation import BehaviourOptions
 
 from .declared import declared, description, shared
 
@@ -127,7 +127,7 @@ class Settings(bpy.types.PropertyGroup):
     acceleration: shared(Options, "acceleration")
     use_plots: BoolProperty(name="PCA Plots", description="Write plots of poses and loops")
     plot_folder: StringProperty(name="Folder", subtype="DIR_PATH", default="//")
-    sensitivity: shared(GaussianOptions, "sensitivity", soft_max=20.0)
+    sensitivity: shared(BehaviourOptions, "sensitivity", soft_max=20.0)
     cuts_to: EnumProperty(
         name="Cuts To",
         items=[

@@ -15,7 +15,7 @@ from rigs import choose, pendulum
 from roundelay.base.options import leaves
 from roundelay.cycles.edit.separate import Mended
 from roundelay.loops import recipe
-from roundelay.segmentation import GaussianOptions
+from roundelay.segmentation import BehaviourOptions
 
 
 def test_behaviours_as_markers(jumps):
@@ -225,7 +225,7 @@ def test_blend_lies_between(jumps):
 
 def test_what_is_shared_is_as_the_library_declares_it():
     held, seen = bpy.context.scene.roundelay.bl_rna.properties, []
-    for options in (roundelay.Options, roundelay.LoopOptions, GaussianOptions):
+    for options in (roundelay.Options, roundelay.LoopOptions, BehaviourOptions):
         for one in leaves(options):
             # The list of classes to choose from is called as the number of them.
             if one.name in held and held[one.name].type != "COLLECTION":

@@ -42,10 +42,9 @@ from roundelay.pipeline import find_cycles as find_cycles
 from roundelay.pipeline import find_periodic as find_periodic
 from roundelay.pipeline import make_cycle as make_cycle
 from roundelay.pipeline import make_loops as make_loops
+from roundelay.pipeline import segment as segment
 from roundelay.pipeline import understand as understand
-from roundelay.pipeline import with_periods as with_periods
 from roundelay.segmentation import Segmentation as Segmentation
-from roundelay.segmentation import segment as segment
 from roundelay.timeline.behaviours import Behaviour as Behaviour
 from roundelay.timeline.behaviours import Timeline as Timeline
 from roundelay.timeline.evidence import Evidence as Evidence

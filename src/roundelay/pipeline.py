@@ -13,7 +13,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,9 +34,10 @@ from roundelay.motion.budget import require_budget
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses
 from roundelay.phase.tempo import time_phase
+from roundelay.segmentation.cutting import segment as cut_by_posture
 from roundelay.segmentation.result import Segment, Segmentation
 from roundelay.timeline.assembly import timeline_of
-from roundelay.timeline.behaviours import Timeline
+from roundelay.timeline.behaviours import Behaviour, Timeline
 from roundelay.timeline.evidence import Evidence
 from roundelay.timeline.finding import find_evidence
 from roundelay.timeline.options import Options
@@ -47,14 +50,18 @@ __all__ = [
     "find_periodic",
     "make_cycle",
     "make_loops",
+    "segment",
     "understand",
-    "with_periods",
 ]
 
 
 @one_thread
 def find_cycles(
-    motion: Motion, options: Options | None = None, *, progress: Progress | None = None
+    motion: Motion,
+    options: Options | None = None,
+    *,
+    timeline: Timeline | None = None,
+    progress: Progress | None = None,
 ) -> list[Cycle]:
     """Find the periodic motions of a capture and make a cycle of each.
 
@@ -63,6 +70,8 @@ def find_cycles(
     motion : Motion
     options : Options, optional
         Automatic by default.
+    timeline : Timeline, optional
+        The capture's, by `understand`, where it is known already.
     progress : callable, optional
         Called with the fraction done and the stage's name; returning False cancels.
 
@@ -83,7 +92,7 @@ def find_cycles(
     SkeletonMismatch
         If a joint of the options does not exist.
     ValueError
-        If an option is out of range.
+        If an option is out of range, or the timeline is another capture's.
     Cancelled
         If `progress` returned False.
     """
@@ -91,7 +100,7 @@ def find_cycles(
     capture = expected(Motion, motion)
     require_budget(capture, options.span(len(capture)))
     motion = capture.with_root_motion()
-    search, found = find_evidence(capture, options, progress)
+    search, found = find_evidence(capture, options, progress, timeline)
     cycles, refused = [], []
     for number, evidence in enumerate(found):
         report(progress, 0.5 + 0.5 * number / len(found), "fitting cycles")
@@ -111,6 +120,7 @@ def make_loops(
     search: Options | None = None,
     render: LoopOptions | None = None,
     *,
+    timeline: Timeline | None = None,
     progress: Progress | None = None,
 ) -> list[Loop]:
     """Make the loops of a capture, as ``roundelay loop`` writes them.
@@ -123,6 +133,8 @@ def make_loops(
         What is looked for; automatic by default.
     render : LoopOptions, optional
         How a loop is repaired, sampled and written.
+    timeline : Timeline, optional
+        The capture's, by `understand`, where it is known already.
     progress : callable, optional
         Called with the fraction done and the stage's name; returning False cancels.
 
@@ -144,12 +156,12 @@ def make_loops(
         If a joint of the options does not exist, or the loops shall be mirrored and a joint of
         one side has no partner on the other.
     ValueError
-        If an option is out of range.
+        If an option is out of range, or the timeline is another capture's.
     Cancelled
         If `progress` returned False.
     """
     render = chosen(LoopOptions, render)
-    cycles = find_cycles(motion, search, progress=progress)
+    cycles = find_cycles(motion, search, timeline=timeline, progress=progress)
     return [made_loop(cycle, motion, render) for cycle in numbered(cycles)]
 
 
@@ -277,46 +289,76 @@ def _fitted(
 
 
 @one_thread
-def with_periods(
-    found: Segmentation,
+def segment(
     motion: Motion,
-    options: Options | None = None,
     *,
+    method: str | Any = "behaviours",
+    sensitivity: float = 1.0,
+    n_segments: int | None = None,
+    joints: Iterable[str] | None = None,
+    rng: int | np.random.Generator | None = None,
+    timeline: Timeline | None = None,
     progress: Progress | None = None,
 ) -> Segmentation:
-    """Tell of each segment whether it is periodic, and its period.
+    """Cut a capture into behaviours, name those that come back alike, and tell which repeat.
+
+    A cut stands where what explains the frames changes: none where one motion goes on.
 
     Parameters
     ----------
-    found : Segmentation
     motion : Motion
-        The capture that was cut.
-    options : Options, optional
-        Of the search in the whole capture; `roundelay.find_cycles` takes the same.
+    method : str or options
+        ``behaviours`` (the default, needs nothing); ``gaussian``, what it proposes by itself;
+        ``pca``, ``ppca`` or ``gmm`` of [B]; ``ppca-paper`` and ``gmm-paper`` with all of the
+        paper's own choices (those of ``pca`` are the paper's); one that a plug-in brings; or a
+        method's options, such as ``PPCAOptions(threshold=2.5)``.
+    sensitivity : float
+        2 finds finer behaviours, .5 coarser ones (``behaviours`` only).
+    n_segments : int, optional
+        Make exactly this many segments (``behaviours`` only).
+    joints : iterable of str, optional
+        Joints to look at; by default those that correspond to [B]'s fourteen.
+    rng : int or numpy.random.Generator, optional
+        For ``gmm``; seeded with 0 by default.
+    timeline : Timeline, optional
+        The capture's, by `understand`, where it is known already.
     progress : callable, optional
         Called with the fraction done and the stage's name; returning False cancels.
 
     Returns
     -------
     Segmentation
-        With `Segment.period` in seconds, of the behaviour that fills most of the segment; None
+        Each segment with its period in seconds, of the behaviour that fills most of it; None
         where none fills half of it.
 
     Raises
     ------
+    SkeletonMismatch
+        If a joint is missing; the message names it.
+    TooShort
+        If a method of [B] gets fewer frames than it looks at. The default method takes a
+        capture under two seconds for one behaviour.
     ValueError
-        If the motion has another number of frames.
+        If an option is out of range, ``n_segments`` cannot be met, or the timeline is another
+        capture's.
     Cancelled
         If `progress` returned False.
     """
-    found, motion = expected(Segmentation, found), expected(Motion, motion)
-    if len(motion) != found.n_frames:
-        raise ValueError(f"expected a motion of {found.n_frames} frames, found {len(motion)}")
-    told = timeline_of(motion, options, progress) if len(motion) >= SEARCH.fewest else None
-    segments = tuple(
-        replace(segment, period=None if told is None else _period(segment, told))
-        for segment in found.segments
+    motion = expected(Motion, motion)
+    joints = None if joints is None else tuple(joints)
+    if timeline is None and len(motion) >= SEARCH.fewest:
+        timeline = timeline_of(motion, Options(joints=joints), progress)
+    cyclic = () if timeline is None else timeline.checked(len(motion)).cyclic
+    found = cut_by_posture(
+        motion,
+        method=method,
+        sensitivity=sensitivity,
+        n_segments=n_segments,
+        joints=joints,
+        rng=rng,
+        repeating=[each.spans for each in cyclic if len(each.limbs) > 1],
     )
+    segments = tuple(replace(each, period=_period(each, cyclic)) for each in found.segments)
     return replace(found, segments=segments)
 
 
@@ -368,10 +410,9 @@ def cycles_in_segments(
     return cycles
 
 
-def _period(segment: Segment, told: Timeline) -> float | None:
+def _period(segment: Segment, cyclic: Sequence[Behaviour]) -> float | None:
     """Return the period of the behaviour that fills most of a segment, if one fills half of it."""
-    frames = np.zeros(told.n_frames, bool)
-    frames[segment.start : segment.stop] = True
-    filled = [(int(frames[each.spans.frames].sum()), each.period) for each in told.cyclic]
+    frames = range(segment.start, segment.stop)
+    filled = [(each.spans.within(frames), each.period) for each in cyclic]
     most, period = max(filled, default=(0, 0.0))
-    return period if 2 * most > segment.stop - segment.start else None
+    return period if 2 * most > len(frames) else None

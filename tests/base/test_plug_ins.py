@@ -108,7 +108,8 @@ from roundelay import synth
 motion = synth.gait("walk").motion
 rl.write(motion, "walk.bvh")
 rl.find_cycles(rl.read("walk.bvh"), rl.Options(method="centroid", proposers=("recurrence",)))
-rl.segment(motion, method="pca")
+told = rl.understand(motion, rl.Options(proposers=("recurrence",)))
+rl.segment(motion, method="pca", timeline=told)
 print("importlib.metadata" in sys.modules)
 """
     assert python(tmp_path, "-c", code).stdout == "False\n"

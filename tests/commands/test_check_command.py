@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 import json
+import struct
 
 import pytest
 from typer.testing import CliRunner
@@ -81,20 +83,99 @@ def test_files_are_overwritten_if_asked(folder):
     assert not list(folder.rglob("*_mended.*"))
 
 
-def test_a_short_file_is_named(folder):
+def test_a_bad_file_costs_its_line_and_never_the_run(folder):
     rl.write(rl.read(folder / "a.bvh")[:5], folder / "tiny.bvh")
+    (folder / "broken.bvh").write_text("none")
+    rl.write(rl.read(folder / "a.bvh"), folder / "a.fbx")
     shown = check(folder)
     assert shown.exit_code == 2
-    assert shown.stderr == (
-        f"roundelay: {folder / 'tiny.bvh'}: a loop needs at least 8 frames, found 5\n"
+    assert "broken.bvh:1:1: expected" in shown.stderr
+    assert shown.stderr.splitlines()[1:] == [
+        f"roundelay: {folder / 'tiny.bvh'}: a loop needs at least 8 frames, found 5",
+        f"roundelay: note: {folder / 'a.fbx'}: not read, there is no reader of FBX",
+    ]
+    assert shown.stdout.count(" frames at 30 fps, ") == 7
+    told = json.loads(check(folder, "--json").stdout)
+    assert told["not_read"] == [str(folder / "a.fbx")]
+    (short,) = (one for one in told["loops"] if one["file"].endswith("tiny.bvh"))
+    assert (short["frames"], short["faults"]) == (None, [])
+    assert "found 5" in short["error"]
+
+
+def test_a_file_that_is_not_read_makes_no_fault(folder):
+    for path in folder.rglob("*.*"):
+        if path.name not in ("a.bvh", "good.glb"):
+            path.unlink()
+    rl.write(rl.read(folder / "a.bvh"), folder / "a.fbx")
+    shown = check(folder)
+    assert (shown.exit_code, shown.stderr.count("not read")) == (0, 1)
+
+
+def test_packed_loops_and_standard_input(folder):
+    doubled = (folder / "doubled.bvh").read_bytes()
+    (folder / "deep" / "packed.bvh.gz").write_bytes(gzip.compress(doubled))
+    shown = check(folder / "deep", "--mend")
+    assert (shown.exit_code, shown.stdout.count(": frame too many")) == (1, 0)
+    assert shown.stdout.count("frame too many: ") == 1
+    assert check(folder / "deep" / "packed_mended.bvh").exit_code == 0
+    assert check(folder / "deep", "--mend").stdout == shown.stdout
+    shown = check(folder / "deep" / "packed.bvh.gz", "--mend", "--overwrite")
+    assert shown.exit_code == 2
+    assert "found one that is packed; --mend without --overwrite writes packed_" in shown.stderr
+    glb = (folder / "good.glb").read_bytes()
+    shown = CliRunner().invoke(app, ["check", "-", "--as", "glb"], input=glb)
+    assert (shown.exit_code, shown.stdout.split(":")[0]) == (0, "-")
+
+
+@pytest.mark.filterwarnings("default::roundelay.RoundelayWarning")
+def test_what_else_a_file_holds_is_not_overwritten(folder):
+    path = folder / "deep" / "short.glb"
+    with_more(path, lambda document: document["animations"].append(document["animations"][0]))
+    with_more(path, lambda document: document.update(meshes=[{"primitives": []}]))
+    before = path.read_bytes()
+    shown = check(folder / "deep", "--mend", "--overwrite")
+    assert shown.exit_code == 2
+    assert shown.stderr.splitlines()[-1] == (
+        f"roundelay: {path}: expected a file of one motion alone to overwrite, found meshes, "
+        "2 animations; --mend without --overwrite writes short_mended.glb instead"
     )
+    assert path.read_bytes() == before
+    assert check(path, "--mend").exit_code == 1
+    assert check(folder / "deep" / "short_mended.glb").exit_code == 0
+
+
+def with_more(path, change):
+    """Change the JSON of a GLB."""
+    data = path.read_bytes()
+    (length,) = struct.unpack("<I", data[12:16])
+    document = json.loads(data[20 : 20 + length])
+    change(document)
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    rest = data[20 + length :]
+    head = struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON")
+    path.write_bytes(head + text + rest)
+
+
+def test_a_raw_capture_is_told_and_left(folder, captures):
+    path = folder / "deep" / "raw.bvh"
+    path.write_bytes((captures / "01_01.bvh").read_bytes())
+    before = path.read_bytes()
+    shown = check(path, "--mend", "--overwrite")
+    assert shown.exit_code == 1
+    assert "frames at 120 fps, not recognised as a loop, " in shown.stdout
+    assert shown.stdout.endswith("    no loop, left as it is\n")
+    assert path.read_bytes() == before
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["none.bvh"], "No such file"),
-        (["README.md"], "expected a folder, BVH, AMC, GLB or GLTF, found 'README.md'"),
+        (
+            ["README.md"],
+            "README.md: expected a file of type .bvh, .amc, .glb, .gltf, found 'README.md'",
+        ),
         (["{folder}/empty"], "expected BVH, AMC, GLB or GLTF files, found none"),
         (["{folder}", "--overwrite"], "expected --overwrite with --mend, found it alone"),
     ],

@@ -100,6 +100,43 @@ def test_a_suffix_means_a_file_and_all_else_a_folder(captures, tmp_path, argumen
     assert files(tmp_path / "new") == made.split()
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["loop", "{walk}", "-o", "{to}/x.glb"],
+        ["convert", "{walk}", "{to}/x.glb"],
+        ["blend", "{walk}", "{walk}", "-o", "{to}/x.glb"],
+        ["transition", "{walk}", "{walk}", "-o", "{to}/x.glb"],
+    ],
+)
+def test_a_suffix_that_contradicts_the_format_is_refused(captures, tmp_path, arguments):
+    asked = [one.format(walk=captures / "walk.bvh", to=tmp_path) for one in arguments]
+    result = run(*asked, "--format", "bvh")
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "roundelay: expected a file of the suffix of --format bvh, found 'x.glb'; "
+        "leave one of them out\n"
+    )
+    assert files(tmp_path) == []
+
+
+@pytest.mark.parametrize("how", [["-o", "{to}/x.glb"], ["-o", "{to}", "--format", "glb"]])
+def test_a_format_that_the_target_does_not_read_is_refused(captures, tmp_path, how):
+    how = [one.format(to=tmp_path) for one in how]
+    result = run("loop", captures / "walk.bvh", "--for", "unity", *how)
+    assert result.exit_code == 2
+    assert result.stderr == ("roundelay: expected a format that unity reads (fbx), found 'glb'\n")
+    assert files(tmp_path) == []
+
+
+def test_a_suffix_chooses_among_the_formats_of_the_target(captures, tmp_path):
+    asked = ["loop", captures / "walk.bvh", "--for", "blender", "-o", tmp_path / "x.glb"]
+    result = run(*asked, "--no-picture", "--json")
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["sampling"]["file_format"] == "glb"
+    assert files(tmp_path) == ["x.glb", "x.json"]
+
+
 def test_further_loops_are_numbered_behind_the_name(captures, tmp_path):
     result = run("loop", captures / "both.bvh", "-o", tmp_path / "x.bvh", "--no-picture")
     assert result.exit_code == 0, result.output
@@ -208,16 +245,30 @@ def test_loops_that_are_none_any_more_are_removed_by_name(captures, tmp_path):
     (tmp_path / "both_loop3.bvh").write_text("of somebody else")
     assert {"both_loop2.bvh", "both_loop2.gif"} < set(files(tmp_path))
     assert run(*asked, "--most", 1).exit_code == 0
-    kept = ["both_loop.bvh", "both_loop.gif", "both_loop.json", "both_loop3.bvh"]
-    assert files(tmp_path) == kept
+    assert files(tmp_path) == ["both_loop.bvh", "both_loop.json", "both_loop3.bvh"]
     assert run(*asked, "--frames", "0:12").exit_code == 3
-    assert files(tmp_path) == ["both_loop.gif", "both_loop.json", "both_loop3.bvh"]
+    assert files(tmp_path) == ["both_loop.json", "both_loop3.bvh"]
+
+
+def test_pictures_and_other_formats_of_an_earlier_run_are_removed_by_name(captures, tmp_path):
+    asked = ["loop", captures / "walk.bvh", "-o", tmp_path]
+    assert run(*asked, "--format", "amc").exit_code == 0
+    (tmp_path / "walk_loop.glb").write_text("of somebody else")
+    made = ["walk_loop.amc", "walk_loop.asf", "walk_loop.glb", "walk_loop.json", "walk_loop.png"]
+    assert files(tmp_path) == made
+    assert run(*asked, "--no-picture").exit_code == 0
+    assert files(tmp_path) == ["walk_loop.bvh", "walk_loop.glb", "walk_loop.json"]
 
 
 def test_only_files_that_the_record_names_are_removed(captures, tmp_path):
     record, other = tmp_path / "walk_loop.json", tmp_path / "other.bvh"
     other.write_text("of somebody else")
-    for text in ('{"cycles": [{"files": ["other.bvh", "../other.bvh"]}]}', "no record", "[]"):
+    for text in (
+        '{"cycles": [{"files": ["other.bvh", "../other.bvh"]}]}',
+        "no record",
+        "[]",
+        "[0]",
+    ):
         record.write_text(text)
         asked = ["loop", captures / "walk.bvh", "-o", tmp_path, "--no-picture"]
         assert run(*asked).exit_code == 0

@@ -58,9 +58,10 @@ def test_other_methods(capture, tmp_path, method):
     ("arguments", "message"),
     [
         (["--cut-by", "magic"], "expected a segmentation method among"),
-        (["--cut-by", "pca", "--sensitivity", "2"], "expected options of the method 'gaussian'"),
+        (["--cut-by", "pca", "--sensitivity", "2"], "expected options of the method 'behaviours'"),
         (["--joints", "tail"], "no joint 'tail'"),
         (["--segments", "99"], "expected at most"),
+        (["--segments", "3", "--sensitivity", "2"], "expected --sensitivity or --segments"),
     ],
 )
 def test_bad_input_is_one_line_and_2(capture, tmp_path, arguments, message):
@@ -73,7 +74,7 @@ def test_bad_input_is_one_line_and_2(capture, tmp_path, arguments, message):
 
 def test_periods_of_segments():
     made = make_capture("ab", seed=1, seconds=8.0)
-    found = rl.with_periods(rl.segment(made.motion), made.motion)
+    found = rl.segment(made.motion)
     assert len(found) == 2
     for segment in found.segments:
         assert segment.periodic
@@ -82,9 +83,24 @@ def test_periods_of_segments():
 
 def test_cancelled_search_for_periods():
     made = make_capture("ab", seed=1)
-    found = rl.segment(made.motion)
     with pytest.raises(rl.Cancelled):
-        rl.with_periods(found, made.motion, progress=lambda fraction, stage: False)
+        rl.segment(made.motion, progress=lambda fraction, stage: False)
+
+
+def test_a_timeline_that_is_known_is_not_made_again(monkeypatch):
+    made = make_capture("ab", seed=1).motion
+    told, found = rl.understand(made), rl.segment(made)
+
+    def again(*given):
+        raise AssertionError("made again")
+
+    monkeypatch.setattr(pipeline, "timeline_of", again)
+    monkeypatch.setattr("roundelay.timeline.finding.timeline_of", again)
+    assert rl.segment(made, timeline=told).segments == found.segments
+    assert len(rl.make_loops(made, timeline=told)) == len(rl.find_cycles(made, timeline=told)) > 0
+    for use in (rl.segment, rl.find_cycles, rl.make_loops):
+        with pytest.raises(ValueError, match="expected the timeline of a take of 500 frames"):
+            use(made[:500], timeline=told)
 
 
 def test_t_pose_in_front_changes_nothing():

@@ -17,6 +17,8 @@ from roundelay.cycles.events import begun, events_of, started
 from roundelay.geometry import rotations as rot
 from roundelay.loops.options import LoopOptions
 from roundelay.loops.profiles import profiles
+from roundelay.loops.recipe import made_loop, placed
+from roundelay.motion.features import point_cloud
 
 
 def ahead(motion, joint, way):
@@ -122,6 +124,26 @@ def test_a_loop_begins_where_it_is_told_to(walk, start):
     there = walk.rotations([expected])[0, 1:]
     assert rot.angle_between(loop.rotations[0, 1:], there).max() < 1e-6
     assert started(walk, "left").pose.sine == pytest.approx(walk.pose.sine, abs=1e-4)
+
+
+def frames_off(motion, render, cycle, frame):
+    """How many frames the nearest pose of a loop is behind its first."""
+    render = replace(render, start=f"frame:{frame}", foot_lock=False, repair=False)
+    shown = point_cloud(made_loop(cycle, motion, render).motion.with_root_motion())
+    pose = point_cloud(placed(motion, render).with_root_motion())[frame]
+    count = len(shown)
+    nearest = int(np.argmin(np.linalg.norm(shown - pose, axis=1)))
+    return abs((nearest + count // 2) % count - count // 2)
+
+
+@pytest.mark.parametrize("render", [LoopOptions(), LoopOptions(mirror=True, resize=2.0)])
+def test_the_first_frame_shows_the_pose_of_the_frame(jumps, jump_cycles, render):
+    """Also where a repetition strays from the mean of all."""
+    motion = synth.gait("punch", repetitions=4, unevenness=0.3, noise=0.003, seed=2).motion
+    for cycle in rl.find_cycles(motion, rl.Options(method="take")):
+        assert max(frames_off(motion, render, cycle, n) for n in range(5, 300, 23)) <= 1
+    for frame in (260, 320, 1300, 1450, 2250, 2500):
+        assert frames_off(jumps, render, jump_cycles[0], frame) <= 1
 
 
 @pytest.mark.parametrize("start", ["middle", "frame:", "frame:-3", "frame:x", 1.0, -0.1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import os
 from pathlib import Path
 
@@ -127,6 +128,16 @@ def test_other_options_are_another_version(clips, tmp_path):
     assert files == {"take_loop.glb"}
 
 
+def test_a_packed_clip_is_a_clip(clips, tmp_path):
+    plain = clips / "ben" / "take.bvh"
+    plain.with_name("take.bvh.gz").write_bytes(gzip.compress(plain.read_bytes()))
+    plain.unlink()
+    library = rl.build_library(clips, tmp_path / "library", jobs=1)
+    assert list(records(library)) == ["anna/take.bvh", "ben/take.bvh.gz"]
+    (cycle,) = records(library)["ben/take.bvh.gz"]["cycles"]
+    assert cycle["loop"] == "loops/ben/take.bvh.gz/take_loop.bvh"
+
+
 def test_what_is_gone_is_no_longer_told_of(clips, tmp_path):
     rl.build_library(clips, tmp_path / "library", jobs=1)
     (clips / "ben" / "take.bvh").unlink()
@@ -188,7 +199,7 @@ def test_names_that_are_no_text(clips, tmp_path):
 
 
 def test_faults_of_the_program_do_not_end_the_work(clips, tmp_path, monkeypatch):
-    def broken(motion, render):
+    def broken(motion, render, timeline):
         raise ZeroDivisionError("a fault")
 
     monkeypatch.setattr("roundelay.library.clips.make_loops", broken)

@@ -42,11 +42,11 @@ def test_its_loops_are_those_of_loop(captures, tmp_path):
 def test_an_interrupted_run_keeps_what_is_done(clips, tmp_path, monkeypatch):
     done = []
 
-    def interrupted(motion, render):
+    def interrupted(motion, render, timeline):
         if done:
             raise KeyboardInterrupt
         done.append(motion)
-        return rl.make_loops(motion, render=render)
+        return rl.make_loops(motion, render=render, timeline=timeline)
 
     with monkeypatch.context() as patch:
         patch.setattr("roundelay.library.clips.make_loops", interrupted)

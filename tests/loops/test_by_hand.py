@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -68,6 +69,25 @@ def test_near_ends_are_taken_where_they_fit_best():
     )
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_the_ends_are_found_in_noise(seed):
+    motion = synth.gait("walk", repetitions=4, noise=0.01, seed=seed).motion
+    made = close_by_hand(motion, (60, 205))
+    assert made.frames[1] - made.frames[0] == pytest.approx(132, abs=1)
+    # What noise of half a degree seems to turn at the ends is not carried on.
+    assert made.largest < np.radians(4.0)
+
+
+def test_the_turning_points_are_found_in_noise():
+    clean = synth.wander(6.0, seed=4).motion
+    turns = np.random.default_rng(4).normal(0.0, 0.003, (*clean.rotations.shape[:-1], 3))
+    rotations = rot.multiply(clean.rotations, rot.from_rotation_vector(turns))
+    there = CloseOptions(ping_pong=True)
+    wanted = close_by_hand(clean, (120, 360), there).frames
+    found = close_by_hand(replace(clean, rotations=rotations), (120, 360), there).frames
+    assert found == pytest.approx(wanted, abs=5)
+
+
 def test_frames_beyond_the_fade_are_as_they_were(idle):
     made = close_by_hand(idle, (60, 200), CloseOptions(fade=0.2))
     start, stop = made.frames
@@ -113,3 +133,41 @@ def test_the_command_says_that_it_was_closed_by_hand(tmp_path, idle):
     told = json.loads(CliRunner().invoke(app, again).output)
     start, stop = told["frames"]
     assert told["loop_frames"] == 2 * (stop - start) + 1
+
+
+def closed(tmp_path, motion, *words):
+    """What the command writes of a capture, as it is read, and its record."""
+    capture = tmp_path / "idle.bvh"
+    rl.write(motion, capture)
+    given = ["close", str(capture), "--frames", "60:200", "--json", *map(str, words)]
+    shown = CliRunner().invoke(app, given)
+    assert shown.exit_code == 0, shown.output
+    return json.loads(shown.stdout)
+
+
+def test_it_is_written_for_a_program_as_other_loops_are(tmp_path, idle):
+    told = closed(tmp_path, idle, "--for", "godot", "-o", f"{tmp_path}/")
+    assert told["files"] == ["idle_closed.glb"]
+    (length,) = np.frombuffer((tmp_path / "idle_closed.glb").read_bytes()[12:16], "<u4")
+    document = json.loads((tmp_path / "idle_closed.glb").read_bytes()[20 : 20 + length])
+    assert document["animations"][0]["name"].endswith("-loop")
+    made = rl.read(tmp_path / "idle_closed.glb")
+    assert made.fps == pytest.approx(30)
+    assert made.skeleton.names[0] == "root"
+    assert told["loop_frames"] == len(made) == round(told["period_seconds"] * 30) + 1
+
+
+def test_the_curve_goes_through_its_frames(idle):
+    made = close_by_hand(idle, (60, 200))
+    shown = made.cycle().sample(foot_lock=False)
+    assert np.abs(point_cloud(shown) - point_cloud(made.loop)).max() < 1e-3
+    ways = shown.root_path - shown.root_path[0], made.loop.root_path - made.loop.root_path[0]
+    assert np.abs(ways[0] - ways[1]).max() < 1e-3
+
+
+def test_a_file_is_named_as_in_other_commands(tmp_path, idle):
+    closed(tmp_path, idle, "-o", tmp_path / "new" / "x.glb")
+    assert sorted(path.name for path in (tmp_path / "new").iterdir()) == ["x.glb", "x.json"]
+    over = ["close", str(tmp_path / "idle.bvh"), "--frames", "60:200"]
+    shown = CliRunner().invoke(app, [*over, "-o", str(tmp_path / "idle.bvh")])
+    assert (shown.exit_code, "than the capture itself" in shown.stderr) == (2, True)

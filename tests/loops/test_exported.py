@@ -49,7 +49,7 @@ def test_without_a_target_nothing_changes(walk):
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_what_is_given_overrules_the_preset(target):
-    given = {"file_format": "bvh", "fps": 48.0, "in_place": False, "repeat_first": True}
+    given = {"fps": 48.0, "in_place": False, "repeat_first": True}
     given |= {"unit": "file", "up": "z", "face_forward": False, "root_bone": False}
     options = rl.LoopOptions(target=target, **given)
     assert {name: getattr(options, name) for name in given} == given
@@ -61,6 +61,16 @@ def test_formats_are_those_that_programs_read():
     assert formats["unity"] == formats["unreal"] == formats["maya"] == "fbx"
     assert rl.LoopOptions(target="web").first_repeated
     assert not rl.LoopOptions(target="blender").first_repeated
+    with pytest.raises(ValueError, match=r"that unity reads \(fbx\), found 'glb'"):
+        rl.LoopOptions(target="unity", file_format="glb")
+
+
+def test_the_unit_is_that_which_readers_of_the_format_take():
+    assert rl.LoopOptions(target="blender").unit == "m"
+    assert rl.LoopOptions(target="blender", file_format="fbx").unit == "cm"
+    assert rl.LoopOptions(file_format="fbx").unit == "file"
+    assert rl.LoopOptions(target="blender").in_format("fbx").unit == "cm"
+    assert rl.LoopOptions(target="blender", unit="file").in_format("fbx").unit == "file"
 
 
 def test_lengths_are_in_the_unit(walk, jump_cycles):

@@ -11,7 +11,7 @@ import roundelay as rl
 from roundelay import synth
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
-from roundelay.loops.lint import left_phase, lint, phase_of_set, taken_apart
+from roundelay.loops.lint import lint, phase_of_set, taken_apart
 from roundelay.loops.mend import continued, mended
 from roundelay.loops.unrolled import seen, steps_of
 
@@ -207,7 +207,7 @@ def test_a_root_bone_that_bobs(loop):
 
 def test_a_gait_out_of_phase_with_its_set(cycle):
     loops = [cycle.sample(60.0, start=start) for start in (0.0, 0.02, 0.98, 0.4)]
-    phases = [left_phase(one, wraps=False) for one in loops]
+    phases = [taken_apart(one, wraps=False).phase for one in loops]
     shared = phase_of_set(phases)
     assert [names(one, phase=shared) for one in loops] == [[], [], [], ["phase"]]
 
@@ -229,7 +229,7 @@ def test_a_loop_is_told_from_a_capture(cycle, loop):
 
 def test_what_is_no_gait_has_no_phase():
     cycle = rl.find_cycles(synth.gait("jacks").motion)[0]
-    assert left_phase(cycle.sample(), wraps=False) is None
+    assert taken_apart(cycle.sample(), wraps=False).phase is None
 
 
 def test_a_clean_loop_is_given_back_as_it_is(loop):

@@ -5,7 +5,6 @@ import pytest
 
 from roundelay.segmentation import gaussian
 from roundelay.segmentation.gaussian import GaussianOptions, gaussian_cuts
-from roundelay.segmentation.labels import recurring_labels
 from roundelay.segmentation.model import GaussianModel
 from roundelay.segmentation.moments import Moments
 from roundelay.segmentation.thresholds import GAUSSIAN
@@ -18,7 +17,7 @@ def model_of(capture):
 
 def brute_force(model, shortest, evidence):
     """Optimal partition without pruning, O(n^2)."""
-    grid, least = gaussian._grid(model, shortest)
+    grid, least = gaussian._grid(model, shortest, 0, len(model))
     penalty = evidence * model.penalty
     best, previous = [-penalty], [0]
     for stop in range(1, len(grid)):
@@ -36,7 +35,7 @@ def brute_force(model, shortest, evidence):
 @pytest.mark.parametrize("evidence", [0.02, 0.1, 0.3, 1.0, 3.0])
 def test_pruned_search_is_exact(capture, evidence):
     model = model_of(capture)
-    assert gaussian._search(model, 1.0, evidence) == brute_force(model, 1.0, evidence)
+    assert gaussian.search(model, 1.0, evidence) == brute_force(model, 1.0, evidence)
 
 
 def test_cuts_keep_the_shortest_segment(capture):
@@ -53,18 +52,17 @@ def test_forgetting_keeps_recent_and_best():
     assert np.flatnonzero(keep[old]).tolist() == list(range(GAUSSIAN.veterans))
 
 
-def test_labels_merge_same_clouds_only():
-    rng = np.random.default_rng(0)
-    clouds = [rng.normal(m, s, (300, 3)) for m, s in ((0, 1), (5, 1), (0, 1), (0, 4), (5, 1))]
-    moments = Moments.of(np.concatenate(clouds))
-
-    def cost(count, covariance):
-        return count * np.linalg.slogdet(covariance)[1]
-
-    bounds = [0, 300, 600, 900, 1200, 1500]
-    assert recurring_labels(moments, bounds, cost, 60.0) == [0, 1, 0, 2, 1]
-    assert recurring_labels(moments, bounds, cost, 1e9) == [0] * 5
-    assert recurring_labels(moments, bounds, cost, -1e9) == list(range(5))
+def test_costs_of_any_frames_are_those_of_their_covariance(capture):
+    """Sums are kept of blocks, and the rest is added."""
+    model = model_of(capture)
+    places = np.array([0, 1, 9, 10, 11, 57, 100, len(model) - 1])
+    stops = np.array([31, 45, 29, 40, 400, 90, 131, len(model)])
+    found = model.cost_between(places, stops)
+    for start, stop, value in zip(places, stops, found, strict=True):
+        part = model.points[start:stop]
+        covariance = np.cov(part.T, bias=True)
+        assert value == pytest.approx(model.cost(float(len(part)), covariance), rel=1e-9)
+    assert model.cost_between(3, stops[-1]).shape == ()
 
 
 def test_moments_agree_with_numpy():

@@ -186,3 +186,36 @@ def test_short_runs_at_the_ends_go_to_their_neighbour():
 def test_options_out_of_range(kind, arguments):
     with pytest.raises(ValueError, match="expected"):
         kind(**arguments)
+
+
+@pytest.mark.parametrize("options", [PPCAOptions(), PPCAOptions.paper()])
+def test_online_ppca_forgets_what_cannot_be_cut_any_more(capture, options):
+    """The same cuts as with all blocks kept; of one behaviour without end it keeps a few."""
+    values = capture.motion.rotations[:, 1:].reshape(len(capture.motion), -1)
+    online, hoarding = OnlinePPCA(120.0, options), Hoarding(120.0, options)
+    online.push(values)
+    hoarding.push(values)
+    assert online.cuts == hoarding.cuts
+    assert online.curve == hoarding.curve
+    assert len(online.cuts) > 2
+    time = np.arange(6 * 7200)[:, None] / 120.0
+    walk = np.sin(2 * np.pi * time / 1.1 + np.arange(6.0))
+    walk += np.random.default_rng(0).normal(0.0, 0.01, walk.shape)
+    online = OnlinePPCA(120.0, options)
+    kept = []
+    for minute in range(6):
+        online.push(walk[7200 * minute : 7200 * (minute + 1)])
+        kept.append(len(online._blocks))
+    assert online.cuts == []
+    assert max(kept) == min(kept) < 2 * online.window
+
+
+class Hoarding(OnlinePPCA):
+    """Keeps every block since the last cut."""
+
+    def _forget(self, blocks):
+        if blocks == self._peak_blocks and self._kept_cuts != len(self.cuts):
+            self._kept_cuts = len(self.cuts)
+            super()._forget(blocks)
+
+    _kept_cuts = 0

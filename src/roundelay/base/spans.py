@@ -83,6 +83,12 @@ class Spans(tuple[Span, ...]):
         """How many frames all ranges have."""
         return sum(self.lengths)
 
+    def within(self, frames: range) -> int:
+        """Count the frames of all ranges that lie in a range."""
+        return sum(
+            max(0, min(stop, frames.stop) - max(start, frames.start)) for start, stop in self
+        )
+
     @property
     def joined(self) -> Spans:
         """The ranges of `frames` that hold each range: the same lengths, end to end."""

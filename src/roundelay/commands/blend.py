@@ -47,6 +47,7 @@ def blend(
     mixing: BlendOptions,
     written: LoopOptions,
     reading: ReadOptions,
+    given: frozenset[str],
 ) -> None:
     """Blend the best cycles of several captures and write the loop.
 
@@ -61,7 +62,7 @@ def blend(
 
         shares = _shares(mixing, len(captures))
         place = place_of(output, name_of(captures[0]), suffixes_of(writers))
-        written = in_format_of(place, written)
+        written = in_format_of(place, written, given)
         cycles, sources = _best_cycles(captures, mixing.mirror, reading)
         mixed = blend_cycles(cycles, shares, by=mixing.by, mirror=mixing.mirror)
         loop = rendered(mixed, sources, written)
@@ -84,6 +85,7 @@ def transition(
     joining: TransitionOptions,
     written: LoopOptions,
     reading: ReadOptions,
+    given: frozenset[str],
 ) -> None:
     """Go from the best cycle of one capture to that of another, the phase running on.
 
@@ -96,6 +98,7 @@ def transition(
         from roundelay.loops.recipe import rendered_motion
 
         place = place_of(output, name_of(first), suffixes_of(writers))
+        written = in_format_of(place, written, given)
         kind = f"to_{fitting(name_of(second), '', 80)}"
         path = place.file or place.path(kind, f".{written.file_format}")
         (start, end), sources = _best_cycles([first, second], joining.mirror, reading)

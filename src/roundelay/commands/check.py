@@ -3,26 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from roundelay.base.files import STANDARD_INPUT, name_of, unpacked
 from roundelay.base.texts import shown
-from roundelay.commands.common import FAULTY, Json, one_line_errors, print_json, read_capture
-from roundelay.commands.options import only, takes
+from roundelay.commands.common import (
+    BAD_INPUT,
+    FAULTY,
+    Json,
+    echo,
+    in_one_line,
+    input_errors,
+    one_line_errors,
+    print_json,
+    read_capture,
+)
+from roundelay.commands.options import takes
 from roundelay.formats.options import ReadOptions
 
 if TYPE_CHECKING:
-    from roundelay.loops.lint import Fault
-    from roundelay.motion.motion import Motion
+    from roundelay.loops.lint import Apart, Fault
 
 Source = Annotated[
     Path,
     typer.Argument(
         metavar="SOURCE",
-        help="A loop, a {readers} file; or a folder of loops, searched to any depth.",
+        help="A loop, a {readers} file, as it is or packed (.gz); - for standard input, see --as; "
+        "or a folder of loops, searched to any depth.",
         show_default=False,
     ),
 ]
@@ -38,15 +49,28 @@ _MENDED = "_mended"
 
 @dataclass(frozen=True)
 class _Checked:
-    """A loop and what is wrong with it."""
+    """A file and what is wrong with it.
+
+    Parameters
+    ----------
+    path : Path
+    loop : Apart or None
+        None where it cannot be read.
+    faults : tuple of Fault
+    mended : Path or None
+        The file that was written.
+    error : str or None
+        Why it was not read, or not written.
+    """
 
     path: Path
-    motion: Motion
-    wraps: bool
-    faults: tuple[Fault, ...]
+    loop: Apart | None = None
+    faults: tuple[Fault, ...] = ()
+    mended: Path | None = None
+    error: str | None = None
 
 
-@takes(reading=only(ReadOptions, "capture_fps"))
+@takes(reading=ReadOptions)
 def check(
     source: Source,
     mend: Mend = False,
@@ -58,104 +82,163 @@ def check(
     """Find the faults of loops: what would be seen when they are played.
 
     Frames too many or missing, a pop at the join, sliding feet, drift, a wrong frame rate or unit,
-    a root bone that bobs; in a folder, gaits that are out of phase with the others.
+    a root bone that bobs; in a folder, gaits that are out of phase with the others. What is no
+    loop, such as a raw capture, is told and never mended.
 
-    Exit code 0: all are clean; 1: faults were found; 2: bad input.
+    Exit code 0: all are clean; 1: faults were found; 2: bad input, if only of one file.
     """
     with one_line_errors(source):
         if overwrite and not mend:
             raise ValueError("expected --overwrite with --mend, found it alone")
-        checked = _checked_all(_loops(source), reading)
-        written = [_mended(one, overwrite) if mend and one.faults else None for one in checked]
+        checked, others = _checked_all(source, reading)
+        if mend:
+            checked = [_mended(one, overwrite, reading) for one in checked]
         if json:
-            print_json({"loops": list(map(_record, checked, written))})
+            print_json({"loops": list(map(_record, checked)), "not_read": list(map(str, others))})
         else:
-            for one, path in zip(checked, written, strict=True):
-                _print(one, path)
+            for one in checked:
+                _print(one, mend)
+        _print_refused(checked, others)
+    if any(one.error is not None for one in checked):
+        raise typer.Exit(BAD_INPUT)
     if any(one.faults for one in checked):
         raise typer.Exit(FAULTY)
 
 
-def _loops(source: Path) -> list[Path]:
-    """List a file, or the files of a folder but those that were mended from others of it."""
+def _checked_all(source: Path, reading: ReadOptions) -> tuple[list[_Checked], list[Path]]:
+    """Judge loops, gaits also by the phase that most of them share; list what is never read."""
+    from roundelay.library.captures import files_not_read
+    from roundelay.loops.lint import faults_of, phase_of_set
+
+    others = files_not_read(source) if source.is_dir() else []
+    read = _read_all(source, reading)
+    phases = [one.loop.phase for one in read if one.loop is not None]
+    shared = phase_of_set([phase for phase in phases if phase is not None])
+    judged = [
+        one if one.loop is None else replace(one, faults=faults_of(one.loop, shared))
+        for one in read
+    ]
+    return judged, others
+
+
+def _read_all(source: Path, reading: ReadOptions) -> list[_Checked]:
+    """Read a file, or the files of a folder but those that were mended from others of it."""
     from roundelay.library.captures import find_captures
 
-    found, faults = find_captures([source.resolve()], Path())
-    if faults:
-        raise faults[0]
     if not source.is_dir():
-        return [source]
+        return [_read(source, reading)]
+    found, faults = find_captures([source.resolve()])
     paths = {source / name for name in found}
-    return sorted(path for path in paths if _original(path) not in paths)
+    unread = [_Checked(Path(fault.filename), error=in_one_line(fault)) for fault in faults]
+    return unread + [_read(path, reading) for path in sorted(paths) if not _made_of(path, paths)]
 
 
-def _original(path: Path) -> Path | None:
-    """Return from which file one was mended, by its name; None if it was not."""
-    stem = path.stem.removesuffix(_MENDED)
-    return path.with_stem(stem) if stem not in ("", path.stem) else None
+def _made_of(path: Path, paths: set[Path]) -> bool:
+    """Tell whether a file was mended from one of these, by its name."""
+    stem = name_of(path).removesuffix(_MENDED)
+    original = path.with_name(f"{stem}{unpacked(path).suffix}")
+    named = stem not in ("", name_of(path))
+    return named and not paths.isdisjoint((original, original.with_name(f"{original.name}.gz")))
 
 
-def _checked_all(paths: Sequence[Path], reading: ReadOptions) -> list[_Checked]:
-    """Judge loops, gaits also by the phase that most of them share."""
-    from roundelay.loops.lint import lint, phase_of_set
+def _read(path: Path, reading: ReadOptions) -> _Checked:
+    """Read a loop and take it apart, or tell why that cannot be."""
+    from roundelay.loops.lint import taken_apart
 
-    loops = [(path, read_capture(path, None, reading), _wraps(path)) for path in paths]
-    phases = [_phase(*loop) for loop in loops]
-    shared = phase_of_set([phase for phase in phases if phase is not None])
-    return [
-        _Checked(path, motion, wraps, lint(motion, wraps, shared)) for path, motion, wraps in loops
-    ]
+    try:
+        motion = read_capture(path, None, reading)
+        return _Checked(path, taken_apart(motion, _wraps(_suffix(path, reading))))
+    except input_errors() as error:
+        return _Checked(path, error=in_one_line(error, path))
 
 
-def _wraps(path: Path) -> bool:
+def _suffix(path: Path, reading: ReadOptions) -> str:
+    """Return the suffix, with its dot, of the format that a file is read as."""
+    return unpacked(path).suffix.lower() if reading.suffix is None else f".{reading.suffix}"
+
+
+def _wraps(suffix: str) -> bool:
     from roundelay.formats import suffixes_of, wraps_at_last_key, writers
 
-    suffix = path.suffix.lower()
     return suffix in suffixes_of(writers) and wraps_at_last_key(suffix[1:])
 
 
-def _phase(path: Path, motion: Motion, wraps: bool) -> float | None:
-    """Return the phase of a gait; refuse a file that is too short, by its name."""
-    from roundelay.base.errors import FormatError, TooShort
-    from roundelay.loops.lint import left_phase
-
-    try:
-        return left_phase(motion, wraps)
-    except TooShort as error:
-        raise FormatError(str(error), path=path) from None
-
-
-def _mended(one: _Checked, overwrite: bool) -> Path | None:
-    """Write a loop mended; None if nothing of it can be mended."""
+def _mended(one: _Checked, overwrite: bool, reading: ReadOptions) -> _Checked:
+    """Write a loop mended, if it is a loop and something of it can be mended."""
     from roundelay.formats import write
     from roundelay.loops.mend import mended
 
-    motion = mended(one.motion, one.wraps)
-    if motion is one.motion:
-        return None
-    path = one.path if overwrite else one.path.with_stem(one.path.stem + _MENDED)
-    write(motion, path)
+    if one.loop is None or not one.faults or not one.loop.recognised:
+        return one
+    before = one.loop.seen.motion
+    motion = mended(before, one.loop.wraps)
+    if motion is before:
+        return one
+    name = f"{name_of(one.path)}{_MENDED}{_suffix(one.path, reading)}"
+    try:
+        path = _overwritable(one.path, name) if overwrite else one.path.with_name(name)
+        write(motion, path)
+    except input_errors() as error:
+        return replace(one, error=in_one_line(error, one.path))
+    return replace(one, mended=path)
+
+
+def _overwritable(path: Path, beside: str) -> Path:
+    """Return a file that holds nothing but its motion.
+
+    Raises
+    ------
+    ValueError
+        If something would be lost, or it is packed or no file.
+    """
+    from roundelay.formats import besides_motion
+
+    if path == STANDARD_INPUT or unpacked(path) != path:
+        found = "one that is packed" if path != STANDARD_INPUT else "standard input"
+    else:
+        found = ", ".join(besides_motion(path))
+    if found:
+        told = f"{path}: expected a file of one motion alone to overwrite, found {found}"
+        raise ValueError(f"{told}; --mend without --overwrite writes {beside} instead")
     return path
 
 
-def _record(one: _Checked, written: Path | None) -> dict[str, Any]:
+def _record(one: _Checked) -> dict[str, Any]:
+    motion = None if one.loop is None else one.loop.seen.motion
     return {
         "file": str(one.path),
-        "frames": len(one.motion),
-        "fps": one.motion.fps,
+        "frames": None if motion is None else len(motion),
+        "fps": None if motion is None else motion.fps,
+        "recognised": None if one.loop is None else one.loop.recognised,
         "faults": [asdict(fault) for fault in one.faults],
-        "mended": None if written is None else str(written),
+        "mended": None if one.mended is None else str(one.mended),
+        "error": one.error,
     }
 
 
-def _print(one: _Checked, written: Path | None) -> None:
-    count = len(one.faults)
+def _print(one: _Checked, mend: bool) -> None:
+    if one.loop is None:
+        return
+    motion, count = one.loop.seen.motion, len(one.faults)
     said = "clean" if not count else f"{count} fault{'s' if count > 1 else ''}"
-    typer.echo(f"{shown(one.path)}: {len(one.motion)} frames at {one.motion.fps:.4g} fps, {said}")
+    said = said if one.loop.recognised else f"not recognised as a loop, {said}"
+    typer.echo(f"{shown(one.path)}: {len(motion)} frames at {motion.fps:.4g} fps, {said}")
     for fault in one.faults:
         typer.echo(
             f"  {fault.name}: {fault.says} ({fault.value:.3g} {fault.unit}, "
             f"limit {fault.limit:.3g})"
         )
-    if written is not None:
-        typer.echo(f"    -> {shown(written)}")
+    if one.mended is not None:
+        typer.echo(f"    -> {shown(one.mended)}")
+    elif mend and not one.loop.recognised:
+        typer.echo("    no loop, left as it is")
+
+
+def _print_refused(checked: Sequence[_Checked], others: Sequence[Path]) -> None:
+    """Tell which files were not read or not written, a line each, on standard error."""
+    for one in checked:
+        if one.error is not None:
+            echo(f"roundelay: {one.error}", err=True)
+    for path in others:
+        kind = path.suffix[1:].upper()
+        echo(f"roundelay: note: {shown(path)}: not read, there is no reader of {kind}", err=True)

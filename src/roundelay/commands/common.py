@@ -6,9 +6,9 @@ import json
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from errno import ENOTDIR
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -41,6 +41,8 @@ __all__ = [
     "exit_code",
     "fail",
     "in_format_of",
+    "in_one_line",
+    "input_errors",
     "one_line_errors",
     "output_directory",
     "place_of",
@@ -48,6 +50,7 @@ __all__ = [
     "print_json",
     "progress_bar",
     "read_capture",
+    "refuse_over",
 ]
 
 FAULTY, BAD_INPUT, NO_PERIOD, INTERRUPTED = 1, 2, 3, 130
@@ -110,27 +113,37 @@ def one_line_errors(capture: Path | None = None) -> Iterator[None]:
     The work inside is done with one thread, also what draws its results.
     Errors that name no file themselves are those of `capture`, if that is given.
     """
-    from roundelay.base.errors import FormatError, NoPeriod, RoundelayError
+    from roundelay.base.errors import NoPeriod
     from roundelay.base.threads import one_thread
-
-    named = "" if capture is None else f"{capture}: "
 
     with one_thread, warnings.catch_warnings():
         warnings.showwarning = _show_warning
         try:
             yield
-        except NoPeriod as error:
-            fail(f"{named}{error}", NO_PERIOD)
-        except (FormatError, ValueError) as error:
-            fail(str(error))
-        except RoundelayError as error:
-            fail(f"{named}{error}")
         except BrokenPipeError:
             raise
-        except OSError as error:
-            fail(f"{error.filename or 'file'}: {error.strerror or error}")
-        except MemoryError:
-            fail(f"{named}out of memory")
+        except input_errors() as error:
+            code = NO_PERIOD if isinstance(error, NoPeriod) else BAD_INPUT
+            fail(in_one_line(error, capture), code)
+
+
+def input_errors() -> tuple[type[Exception], ...]:
+    """Return the errors that are the input's, or the machine's, and no fault of the program."""
+    from roundelay.base.errors import RoundelayError
+
+    return RoundelayError, ValueError, OSError, MemoryError
+
+
+def in_one_line(error: Exception, capture: Path | None = None) -> str:
+    """Tell an error of the input in one line; one that names no file is that of the capture."""
+    from roundelay.base.errors import FormatError
+
+    if isinstance(error, FormatError | ValueError):
+        return str(error)
+    if isinstance(error, OSError):
+        return f"{error.filename or 'file'}: {error.strerror or error}"
+    told = "out of memory" if isinstance(error, MemoryError) else str(error)
+    return told if capture is None else f"{capture}: {told}"
 
 
 def exit_code(work: Callable[[], None]) -> int:
@@ -209,6 +222,18 @@ def place_of(output: str, name: str, suffixes: Iterable[str]) -> Place:
     return Place(output_directory(path), name)
 
 
+def refuse_over(capture: Path, place: Place) -> None:
+    """Refuse to write over the capture itself.
+
+    Raises
+    ------
+    ValueError
+        If that is where a command would write.
+    """
+    if place.file is not None and place.file.resolve() == capture.resolve():
+        raise ValueError(f"{place.file}: expected another file than the capture itself")
+
+
 def output_directory(path: Path) -> Path:
     """Make the folder for the results.
 
@@ -225,21 +250,28 @@ def output_directory(path: Path) -> Path:
     return path
 
 
-def in_format_of(place: Place, written: LoopOptions) -> LoopOptions:
+def in_format_of(place: Place, written: LoopOptions, given: Collection[str]) -> LoopOptions:
     """Return options of the format that the suffix of a file asks for, if it was named.
+
+    Parameters
+    ----------
+    place : Place
+    written : LoopOptions
+    given : collection of str
+        The flags of the options that were given.
 
     Raises
     ------
     ValueError
-        If another format was asked for, too.
+        If another format was asked for, too, or the target does not read it.
     """
     if place.file is None:
         return written
-    suffix, own = place.file.suffix[1:].lower(), type(written)().file_format
-    if written.file_format not in (own, suffix):
+    suffix = place.file.suffix[1:].lower()
+    if "format" in given and written.file_format != suffix:
         asked = f"--format {written.file_format}, found {place.file.name!r}"
         raise ValueError(f"expected a file of the suffix of {asked}; leave one of them out")
-    return replace(written, file_format=suffix)
+    return written.in_format(suffix)
 
 
 @contextmanager

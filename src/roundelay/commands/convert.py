@@ -12,6 +12,7 @@ from roundelay.commands.common import (
     Capture,
     Skeleton,
     echo,
+    in_format_of,
     one_line_errors,
     place_of,
     read_capture,
@@ -44,6 +45,7 @@ def convert(
     search: Options,
     written: LoopOptions,
     reading: ReadOptions,
+    given: frozenset[str],
 ) -> None:
     """Convert a capture to another format, resampled, cropped, mirrored or resized.
 
@@ -55,6 +57,7 @@ def convert(
 
         name = name_of(capture)
         place = place_of(target, name, suffixes_of(writers))
+        written = in_format_of(place, written, given)
         path = place.file or place.folder / f"{place.name}.{written.file_format}"
         motion = read_capture(capture, skeleton, reading)
         wanted = search.span(len(motion))

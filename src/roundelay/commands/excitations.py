@@ -24,7 +24,9 @@ from roundelay.formats.options import ReadOptions
 from roundelay.timeline.options import Options, ShownOptions
 
 if TYPE_CHECKING:
-    from roundelay.timeline.proposals.excitation import Excitation
+    from roundelay.base.spans import Span
+    from roundelay.motion.motion import Motion
+    from roundelay.timeline.proposals.excitation import Excitation, Excitations
 
 
 _SUFFIXES = (".json", ".png")
@@ -52,36 +54,20 @@ def excitations(
     Writes NAME_excitations.json and NAME_excitations.png. Loops of what recurs, with or without
     something else between, are made by `roundelay loop`.
     """
-    from roundelay.base.errors import TooShort
-    from roundelay.motion.features import point_cloud
     from roundelay.output.records import capture_record, write_json
-    from roundelay.timeline.proposals.excitation import excitations as find_excitations
-    from roundelay.timeline.thresholds import SEARCH
 
     with one_line_errors(capture):
         motion = read_capture(capture, skeleton, reading).with_root_motion()
-        first, last = search.span(len(motion)) or (0, len(motion))
-        if last - first < SEARCH.fewest:
-            few = f"found {last - first}"
-            raise TooShort(f"a period needs at least {SEARCH.fewest} frames, {few}")
+        first, last = _looked_at(motion, search)
         place = place_of(output, name_of(capture), _SUFFIXES)
-        topology = search.topology
-        chosen = None if search.joints is None else motion.skeleton.indices(search.joints)
-        found = find_excitations(
-            point_cloud(motion, joints=chosen)[first:last],
-            motion.fps,
-            metric=topology.metric,
-            **({} if topology.delay is None else {"period": 2.0 * pi * topology.delay}),
-            classes=shown.classes,
-            prime=topology.prime,
-        )
         options = {
             "joints": search.joints,
-            "metric": topology.metric,
-            "delay": topology.delay,
+            "metric": search.topology.metric,
+            "delay": search.topology.delay,
             "classes": shown.classes,
-            "prime": topology.prime,
+            "prime": search.topology.prime,
         }
+        found = _found(motion, first, last, options)
         record = capture_record(motion, capture, options) | {
             "frames": [first, last],
             "bars": len(found.barcode),
@@ -97,6 +83,41 @@ def excitations(
             print_json(record)
         else:
             _print_table(record)
+
+
+def _looked_at(motion: Motion, search: Options) -> Span:
+    """Return the frames to look at.
+
+    Raises
+    ------
+    TooShort
+        If they are fewer than any period.
+    """
+    from roundelay.base.errors import TooShort
+    from roundelay.timeline.thresholds import SEARCH
+
+    first, last = search.span(len(motion)) or (0, len(motion))
+    if last - first < SEARCH.fewest:
+        told = f"a period needs at least {SEARCH.fewest} frames, found {last - first}"
+        raise TooShort(told)
+    return first, last
+
+
+def _found(motion: Motion, first: int, last: int, options: dict[str, Any]) -> Excitations:
+    """Find the classes of these frames and where each turns, by the options of the record."""
+    from roundelay.motion.features import point_cloud
+    from roundelay.timeline.proposals.excitation import excitations as find_excitations
+
+    joints, delay = options["joints"], options["delay"]
+    chosen = None if joints is None else motion.skeleton.indices(joints)
+    return find_excitations(
+        point_cloud(motion, joints=chosen)[first:last],
+        motion.fps,
+        metric=options["metric"],
+        **({} if delay is None else {"period": 2.0 * pi * delay}),
+        classes=options["classes"],
+        prime=options["prime"],
+    )
 
 
 def _class(one: Excitation, first: int) -> dict[str, Any]:

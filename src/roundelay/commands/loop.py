@@ -31,6 +31,7 @@ from roundelay.commands.common import (
     print_json,
     progress_bar,
     read_capture,
+    refuse_over,
 )
 from roundelay.commands.limbs import print_limbs
 from roundelay.commands.options import takes
@@ -77,19 +78,21 @@ def loop(
     search: Options,
     written: LoopOptions,
     reading: ReadOptions,
+    given: frozenset[str],
 ) -> None:
     """Find the periodic motions of captures and write a seamless loop of each.
 
     Writes NAME_loop.bvh (NAME_loop2.bvh, ... for further motions), NAME_loop.json and
-    NAME_loop.png, or names as -o says; loops that an earlier run left there and that are none any
-    more are removed. Everything is automatic; the options are there to overrule it.
+    NAME_loop.png, or names as -o says; what an earlier run left there, as its record lists it, and
+    this one did not make is removed. Everything is automatic; the options are there to overrule it.
 
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found. Of several
     captures the worst counts, 2 being worse than 3.
     """
-    asked = _Asked(search, written, reading, skeleton, per_behaviour, picture, gif, json)
     with one_line_errors():
         places = _places(captures, output)
+        written = in_format_of(places[0], written, given)
+    asked = _Asked(search, written, reading, skeleton, per_behaviour, picture, gif, json)
     records: list[dict[str, Any]] = []
     codes = [
         exit_code(partial(_looped, capture, place, asked, records))
@@ -117,8 +120,7 @@ def _places(captures: Sequence[Path], output: str) -> list[Place]:
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise ValueError(f"expected captures of different names, found {twice!r} twice")
-    if places[0].file is not None and places[0].file.resolve() == captures[0].resolve():
-        raise ValueError(f"{output}: expected another file than the capture itself")
+    refuse_over(captures[0], places[0])
     return places
 
 
@@ -128,12 +130,11 @@ def _looped(capture: Path, place: Place, asked: _Asked, records: list[dict[str, 
     from roundelay.output.records import capture_record, refusal_record
 
     with one_line_errors(capture):
-        written = in_format_of(place, asked.written)
         with progress_bar(quiet=asked.json) as progress:
             motion = read_capture(capture, asked.skeleton, asked.reading)
             record = capture_record(motion, capture, asked.search)
             try:
-                loops = _loops(motion, asked.search, written, asked.per_behaviour, progress)
+                loops = _loops(motion, asked.search, asked.written, asked.per_behaviour, progress)
             except NoPeriod as refusal:
                 records.append(record | refusal_record(refusal))
                 _leave_record(records[-1], place, capture)
@@ -141,14 +142,10 @@ def _looped(capture: Path, place: Place, asked: _Asked, records: list[dict[str, 
                     raise typer.Exit(NO_PERIOD) from None
                 raise
         record |= {
-            "sampling": asdict(written),
-            "cycles": _written(loops, place, written, asked.gif),
+            "sampling": asdict(asked.written),
+            "cycles": _written(loops, place, asked.written, asked.gif),
+            "picture": _drawn(motion, loops, place) if asked.picture else None,
         }
-        if asked.picture:
-            from roundelay.output.figures import overview, save
-
-            cycles = [one.cycle for one in loops]
-            save(overview(motion, cycles), place.path("loop", ".png"))
         _leave_record(record, place, capture)
         records.append(record)
         if not asked.json:
@@ -164,8 +161,7 @@ def _loops(
 ) -> list[Loop]:
     """Make the loops of the whole capture, or of each of its segments."""
     from roundelay.loops.recipe import made_loop, numbered
-    from roundelay.pipeline import cycles_in_segments, make_loops
-    from roundelay.segmentation import segment
+    from roundelay.pipeline import cycles_in_segments, make_loops, segment
 
     if not per_behaviour:
         return make_loops(motion, search, written, progress=progress)
@@ -194,16 +190,24 @@ def _written(
     return told
 
 
+def _drawn(motion: Motion, loops: Sequence[Loop], place: Place) -> str:
+    """Draw the capture with its loops; return the picture's name."""
+    from roundelay.output.figures import overview, save
+
+    path = place.path("loop", ".png")
+    save(overview(motion, [one.cycle for one in loops]), path)
+    return path.name
+
+
 def _leave_record(record: dict[str, Any], place: Place, capture: Path) -> None:
-    """Write a record; remove the loops that the one before it lists and that are none any more."""
+    """Write a record; remove what the one before it lists and this one does not."""
     from roundelay.output.records import write_json
 
-    path, count = place.path("loop", ".json"), len(record["cycles"])
-    numbered = re.compile(re.escape(path.stem) + r"(\d*)\.\w+")
+    path = place.path("loop", ".json")
+    own, kept = re.compile(re.escape(path.stem) + r"\d*\.\w+"), _files_of(record)
     for name in _listed(path):
-        found = numbered.fullmatch(name)
         old = place.folder / name
-        if found and int(found[1] or 1) > count and old.resolve() != capture.resolve():
+        if own.fullmatch(name) and name not in kept and old.resolve() != capture.resolve():
             old.unlink(missing_ok=True)
     write_json(record, path)
 
@@ -211,10 +215,15 @@ def _leave_record(record: dict[str, Any], place: Place, capture: Path) -> None:
 def _listed(path: Path) -> list[str]:
     """List the files that a record of loops names; none if it is no such record."""
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-        return [str(name) for cycle in record["cycles"] for name in cycle["files"]]
-    except (OSError, ValueError, KeyError, TypeError):
+        return _files_of(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return []
+
+
+def _files_of(record: dict[str, Any]) -> list[str]:
+    """List the loops and the picture that a record names."""
+    files = [name for cycle in record["cycles"] for name in cycle["files"]]
+    return [str(name) for name in (*files, record.get("picture")) if name is not None]
 
 
 def _print_summary(record: dict[str, Any], folder: Path) -> None:

@@ -74,6 +74,9 @@ def all_but(options: type[Checked], *names: str) -> Taken:
 def takes(**asked: type[Checked] | Taken) -> Callable[[Command], Command]:
     """Give a command options on the command line; it gets them by the names given here.
 
+    A command with a parameter `given` gets there which of these options, by their flags, have
+    another value than when they are left out.
+
     Parameters
     ----------
     **asked
@@ -81,6 +84,7 @@ def takes(**asked: type[Checked] | Taken) -> Callable[[Command], Command]:
     """
     groups = {name: x if isinstance(x, Taken) else _all(x) for name, x in asked.items()}
     added = [_parameter(one, group) for group in groups.values() for one in group]
+    taken = [one for group in groups.values() for one in group]
 
     def decorated(command: Command) -> Command:
         own = signature(command, eval_str=True)
@@ -89,11 +93,14 @@ def takes(**asked: type[Checked] | Taken) -> Callable[[Command], Command]:
         def spread(**values: Any) -> None:
             with one_line_errors():
                 made = {name: group.made(values) for name, group in groups.items()}
-            for one in added:
-                del values[one.name]
+            set_to = {one.name: values.pop(one.name) for one in added}
+            if "given" in own.parameters:
+                made["given"] = frozenset(
+                    one.flag for one in taken if set_to[_key(one)] != one.default
+                )
             command(**values, **made)
 
-        kept = [one for one in own.parameters.values() if one.name not in groups]
+        kept = [one for one in own.parameters.values() if one.name not in {*groups, "given"}]
         spread.__signature__ = own.replace(parameters=[*kept, *added])  # type: ignore[attr-defined]
         spread.taken = tuple(groups.values())  # type: ignore[attr-defined]
         return spread

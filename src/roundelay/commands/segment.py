@@ -59,15 +59,13 @@ def segment(
 
     Exit code 0: the capture was cut, perhaps into one segment; 2: bad input.
     """
-    from roundelay.pipeline import with_periods
-    from roundelay.segmentation import segment as cut_motion
+    from roundelay.pipeline import segment as cut_motion
 
     with one_line_errors(capture):
         with progress_bar(quiet=json) as progress:
             motion = read_capture(capture, skeleton, reading)
             place = place_of(output, name_of(capture), _SUFFIXES)
-            found = cut_motion(motion, method=cut.chosen, joints=search.joints)
-            found = with_periods(found, motion, progress=progress)
+            found = cut_motion(motion, method=cut.chosen, joints=search.joints, progress=progress)
         record = _write(found, motion, capture, place, split, picture)
         if json:
             print_json(record)

@@ -28,9 +28,10 @@ if TYPE_CHECKING:
 
 
 _SUFFIXES = (".json", ".csv")
+_OPTIONS = ("frames", "joints", "proposers", "uncertain")
 
 
-@takes(search=only(Options, "frames", "joints", "proposers", "uncertain"), reading=ReadOptions)
+@takes(search=only(Options, *_OPTIONS), reading=ReadOptions)
 def timeline(
     capture: Capture,
     output: Output = ".",
@@ -50,7 +51,7 @@ def timeline(
     Exit code 0: the take was looked at, also if nothing repeats; 2: bad input.
     """
     from roundelay.base.files import written_beside
-    from roundelay.output.records import write_json
+    from roundelay.output.records import capture_record, write_json
     from roundelay.pipeline import understand
 
     with one_line_errors(capture):
@@ -58,11 +59,13 @@ def timeline(
             motion = read_capture(capture, skeleton, reading)
             place = place_of(output, name_of(capture), _SUFFIXES)
             told = understand(motion, search, progress=progress)
-        write_json(told.to_dict(), place.path("timeline", ".json"))
+        chosen = {name: getattr(search, name) for name in _OPTIONS}
+        record = capture_record(motion, capture, chosen) | told.to_dict()
+        write_json(record, place.path("timeline", ".json"))
         with written_beside(place.path("timeline", ".csv")) as part:
             part.write_text(told.to_csv(), encoding="utf-8")
         if json:
-            print_json(told.to_dict())
+            print_json(record)
         else:
             _print_table(told, capture, search.uncertain)
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from roundelay.base.progress import Progress
     from roundelay.motion.motion import Motion
     from roundelay.segmentation import Segmentation
+    from roundelay.timeline.behaviours import Timeline
 
 Open = Annotated[bool, typer.Option("--open", help="Show it in the browser.")]
 
@@ -71,11 +72,12 @@ def _page(
     """Return the page and what it shows in a few words."""
     from roundelay.base.errors import NoPeriod
     from roundelay.output.page import build_page
-    from roundelay.pipeline import make_loops
+    from roundelay.pipeline import make_loops, understand
 
-    segmentation = _segmentation(motion)
+    told = understand(motion, search)
+    segmentation = _segmentation(motion, told)
     try:
-        loops = make_loops(motion, search, written, progress=progress)
+        loops = make_loops(motion, search, written, timeline=told, progress=progress)
     except NoPeriod as refusal:
         text = build_page(motion, refusal=refusal, segmentation=segmentation)
         return text, "no periodic motion found, the page says why"
@@ -83,12 +85,12 @@ def _page(
     return build_page(motion, loops, segmentation=segmentation), count
 
 
-def _segmentation(motion: Motion) -> Segmentation | None:
+def _segmentation(motion: Motion, told: Timeline) -> Segmentation | None:
     """Cut the capture into behaviours, if it has the joints for it and is long enough."""
     from roundelay.base.errors import SkeletonMismatch, TooShort
-    from roundelay.segmentation import segment
+    from roundelay.pipeline import segment
 
     try:
-        return segment(motion)
+        return segment(motion, timeline=told)
     except (SkeletonMismatch, TooShort):
         return None

@@ -139,7 +139,7 @@ def checked_start(start: float | str) -> None:
 
 
 @one_thread
-def started(cycle: Cycle, start: float | str) -> Cycle:
+def started(cycle: Cycle, start: float | str, capture: Motion | None = None) -> Cycle:
     """Return the cycle that begins elsewhere.
 
     Parameters
@@ -148,6 +148,9 @@ def started(cycle: Cycle, start: float | str) -> Cycle:
     start : float or str
         "left" or "right" for the contact of that foot; a phase of the cycle, 0 being where it
         begins; "frame:N" for what a frame of the capture shows.
+    capture : Motion, optional
+        The capture: a frame of it is looked for in the cycle by its pose. By default by its phase
+        alone, from which a single repetition strays.
 
     Raises
     ------
@@ -164,7 +167,9 @@ def started(cycle: Cycle, start: float | str) -> Cycle:
             )
         return shifted(cycle, _contact(stride, _SIDES.index(str(start))))
     if isinstance(start, str):
-        return shifted(cycle, _phase_of(cycle, int(start.removeprefix(_FRAME))))
+        frame = int(start.removeprefix(_FRAME))
+        told = _phase_of(cycle, frame)
+        return shifted(cycle, told if capture is None else _nearest(cycle, capture, frame))
     return shifted(cycle, start)
 
 
@@ -175,6 +180,26 @@ def _phase_of(cycle: Cycle, frame: int) -> float:
     if not (frame < len(cycle.phase) and np.isfinite(cycle.phase[frame])):
         raise ValueError(f"expected a start within frames {cycle.evidence.runs}, found {frame}")
     return float(cycle.phase[frame]) % 1.0
+
+
+def _nearest(cycle: Cycle, capture: Motion, frame: int) -> float:
+    """Return the phase of the pose that is nearest to that of a frame, in [0, 1).
+
+    What goes to and fro shows each pose twice. Pose and speed together tell about where the frame
+    is, the pose alone which phase it is of those that go the same way.
+    """
+    count = EVENTS.phases
+    body = replace(cycle, above=None).at(np.arange(count) / count, frame_time=1.0, in_place=True)
+    around = np.clip([frame - 1, frame, frame + 1], 0, len(capture) - 1)
+    before, pose, behind = point_cloud(capture.with_root_motion())[around]
+    poses = point_cloud(body)
+    # Ways a radian of phase weigh as much as poses.
+    ways = (np.roll(poses, -1, axis=0) - np.roll(poses, 1, axis=0)) * count / (4 * np.pi)
+    way = (behind - before) / (around[2] - around[0]) * cycle.period * capture.fps / (2 * np.pi)
+    apart = np.sum((poses - pose) ** 2, axis=1)
+    about = int(np.argmin(apart + np.sum((ways - way) ** 2, axis=1)))
+    onward = ways @ ways[about] > 0.0
+    return _between(-apart, int(np.argmin(np.where(onward, apart, np.inf))))
 
 
 def _stride(cycle: Cycle) -> _Stride | None:

@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 _PROPORTION, _FEW = 2, 1 << 22
 # Scales that differ by less, relatively, are one.
 _EVEN = 1e-3
+# What a writer of motions leaves out.
+_BESIDES = ("meshes", "cameras", "materials", "textures", "images")
 _MOVING = "an animation that moves the skeleton's nodes"
 # Names in a note.
 _NAMED = 8
@@ -79,6 +81,13 @@ class GltfReader:
         _check_proportion(document, len(clock.times), len(joints))
         placed = _Placed(tree, nodes, _scales(nodes, used), used, clock)
         return _motion(placed, above, joints, ends, path.stem)
+
+    def besides_motion(self, path: Path) -> tuple[str, ...]:
+        """Name what a file holds that its motion does not: see `Reader`."""
+        root = load(path).root
+        named = [kind for kind in _BESIDES if root.entries(kind)]
+        animations = len(root.entries("animations"))
+        return (*named, *([f"{animations} animations"] if animations > 1 else []))
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ __all__ = [
     "SkeletonReader",
     "Suffixed",
     "Writer",
+    "besides_motion",
     "checked_format",
     "files_of",
     "files_written",
@@ -57,7 +58,11 @@ class Suffixed(Protocol):
 
 
 class Reader(Suffixed, Protocol):
-    """Read the files of one format."""
+    """Read the files of one format.
+
+    A reader whose files may hold more than a motion has a method ``besides_motion(path)``, too; see
+    `besides_motion`.
+    """
 
     def read(self, path: Path) -> Motion:
         """Read a file.
@@ -172,6 +177,20 @@ def reader_of(path: Path, suffix: str | None = None) -> Reader:
     except ValueError as error:
         hint = "" if named.suffix else "; name its format by --as (in Python by suffix)"
         raise FormatError(f"{error}{hint}", path=path) from None
+
+
+def besides_motion(path: Path) -> tuple[str, ...]:
+    """Name what a file holds that is lost where its motion is written over it, such as "meshes".
+
+    Raises
+    ------
+    FormatError
+        If no reader knows the suffix, or the file is not sound.
+    OSError
+        If it cannot be read.
+    """
+    named = getattr(reader_of(path), "besides_motion", None)
+    return () if named is None else tuple(named(path))
 
 
 def writer_of(path: Path) -> Writer:

@@ -4,30 +4,33 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
-from roundelay.formats import in_words, readers, suffixes_of
+from roundelay.base.files import unpacked
+from roundelay.formats import in_words, readers, suffixes_of, writers
 from roundelay.library.log import LOG
 from roundelay.library.sealed import SEAL
 
-__all__ = ["LOOPS", "find_captures"]
+__all__ = ["LOOPS", "files_not_read", "find_captures"]
 
 LOOPS = "loops"
 """The folder of a library that holds the loops."""
 
 
-def find_captures(sources: Sequence[Path], besides: Path) -> tuple[dict[str, Path], list[OSError]]:
-    """List the files that a reader knows among files and below folders.
+def find_captures(
+    sources: Sequence[Path], besides: Path | None = None
+) -> tuple[dict[str, Path], list[OSError]]:
+    """List the files that a reader knows, packed or not, among files and below folders.
 
     Hidden ones are left out: what other systems keep beside each file has its suffix, too. So are
-    the loops of libraries.
+    the loops of libraries, where a folder to leave out is given.
 
     Parameters
     ----------
     sources : sequence of Path
         Absolute, their folders without links and "..".
-    besides : Path
+    besides : Path, optional
         A folder to leave out.
 
     Returns
@@ -49,10 +52,10 @@ def find_captures(sources: Sequence[Path], besides: Path) -> tuple[dict[str, Pat
     for source in sources:
         if source.is_dir():
             os.listdir(source)
-            found.update(_below(source, besides, faults))
+            found.update(_below(source, suffixes_of(readers), faults, besides))
         else:
             source.stat()
-            if source.suffix.lower() not in suffixes_of(readers):
+            if not _is_of(source, suffixes_of(readers)):
                 known = in_words(readers)
                 raise ValueError(f"expected a folder, {known}, found {source.name!r}")
             found.add(source)
@@ -75,17 +78,27 @@ def _is_library(folder: Path, files: Sequence[str]) -> bool:
         return False
 
 
-def _below(top: Path, besides: Path, faults: list[OSError]) -> list[Path]:
-    found, suffixes = [], suffixes_of(readers)
+def files_not_read(folder: Path) -> list[Path]:
+    """List the files below a folder that are of a format which is written but not read."""
+    suffixes = set(suffixes_of(writers)) - set(suffixes_of(readers))
+    return sorted(_below(folder, suffixes, []))
+
+
+def _is_of(path: Path, suffixes: Collection[str]) -> bool:
+    return unpacked(path).suffix.lower() in suffixes
+
+
+def _below(
+    top: Path, suffixes: Collection[str], faults: list[OSError], besides: Path | None = None
+) -> list[Path]:
+    found = []
     for place, folders, files in os.walk(top, onerror=faults.append):
         here = Path(place)
-        ours = LOOPS if _is_library(here, files) else ""
+        # Where a library is made, those of others are no captures.
+        ours = LOOPS if besides is not None and _is_library(here, files) else ""
         folders[:] = [
             f for f in folders if not f.startswith(".") and f != ours and here / f != besides
         ]
-        found += [
-            here / file
-            for file in files
-            if not file.startswith(".") and file.lower().endswith(suffixes)
-        ]
+        visible = [here / file for file in files if not file.startswith(".")]
+        found += [file for file in visible if _is_of(file, suffixes)]
     return found

@@ -22,7 +22,7 @@ from roundelay.base.errors import (
     TooLarge,
     TooShort,
 )
-from roundelay.base.files import fitting
+from roundelay.base.files import fitting, name_of
 from roundelay.base.version import __version__
 from roundelay.compare.spectra import Spectra
 from roundelay.formats import files_of, files_written, read
@@ -33,8 +33,9 @@ from roundelay.loops.options import LoopOptions
 from roundelay.loops.recipe import Loop
 from roundelay.motion.motion import Motion
 from roundelay.output.records import loop_record
-from roundelay.pipeline import make_loops
-from roundelay.segmentation import segment
+from roundelay.pipeline import make_loops, segment, understand
+from roundelay.timeline.behaviours import Timeline
+from roundelay.timeline.thresholds import SEARCH
 
 __all__ = ["Clip", "late_clip", "lost_clip", "made_entry"]
 
@@ -80,7 +81,7 @@ class Clip:
     @property
     def stem(self) -> str:
         """How the names of its loops begin."""
-        return fitting(self.path.stem, "", _LONGEST - _ENDING)
+        return fitting(name_of(self.path), "", _LONGEST - _ENDING)
 
     def named_like_loops(self) -> set[str]:
         """List the files in the folder of its loops that are named as its loops are."""
@@ -154,8 +155,9 @@ def _make_place(clip: Clip) -> None:
 
 
 def _analysed(clip: Clip, motion: Motion) -> tuple[dict[str, Any], Spectra | None]:
+    told = understand(motion) if len(motion) >= SEARCH.fewest else None
     try:
-        loops, reason = make_loops(motion, render=clip.options), None
+        loops, reason = make_loops(motion, render=clip.options, timeline=told), None
     except (NoPeriod, TooShort) as refusal:
         loops, reason = [], str(refusal)
     record = {
@@ -164,7 +166,7 @@ def _analysed(clip: Clip, motion: Motion) -> tuple[dict[str, Any], Spectra | Non
         "fps": round(motion.fps, 6),
         "seconds": round(motion.duration, 6),
         "joints": motion.skeleton.n_joints,
-        "segments": _segments(motion),
+        "segments": _segments(motion, told),
         "cycles": [_written(clip, *numbered) for numbered in enumerate(loops, 1)],
         "reason": reason,
         "error": None,
@@ -205,10 +207,10 @@ def _reason(clip: Clip, error: Exception) -> str:
     return f"{error.filename}: {error.strerror}" if other else error.strerror
 
 
-def _segments(motion: Motion) -> list[dict[str, Any]]:
+def _segments(motion: Motion, told: Timeline | None) -> list[dict[str, Any]]:
     """Cut the capture into behaviours, if it has the joints for it and is long enough."""
     try:
-        found = segment(motion)
+        found = segment(motion, timeline=told)
     except RoundelayError:
         return []
     kept = ("start_frame", "end_frame", "label")

@@ -18,9 +18,14 @@ from roundelay.base.errors import TooShort
 from roundelay.base.options import Checked, option
 from roundelay.base.spans import Span
 from roundelay.base.threads import one_thread
+from roundelay.cycles.cycle import Cycle
+from roundelay.cycles.models.regression import fit_cycle
 from roundelay.cycles.thresholds import CYCLE
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import heading
+from roundelay.loops.exported import exported
+from roundelay.loops.mend import continued
+from roundelay.loops.options import LoopOptions
 from roundelay.loops.thresholds import BY_HAND
 from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion, concatenate
@@ -85,6 +90,30 @@ class ByHand:
         """Return the loop with the frame that repeats the first, as players need it."""
         return concatenate([self.loop, self.again])
 
+    def cycle(self) -> Cycle:
+        """Return the curve through its frames, by as many harmonics as they can tell apart."""
+        count = len(self.loop)
+        thrice = continued(continued(self.loop, count), count)
+        phase = np.arange(len(thrice)) / count
+        return fit_cycle(thrice, phase, [(0, len(thrice))], harmonics=(count - 1) // 2)
+
+    def exported(self, written: LoopOptions) -> Motion:
+        """Return the frames as they are written: its own, unless others are asked for.
+
+        Parameters
+        ----------
+        written : LoopOptions
+            Without start, mirror, resize, foot lock and repair: frames chosen by hand stay.
+
+        Raises
+        ------
+        ValueError
+            If the target cannot tell all joints by their names.
+        """
+        own = written.fps is None and written.periods == 1 and not written.in_place
+        frames = self.repeated() if written.first_repeated else self.loop
+        return exported(self.cycle(), replace(written, foot_lock=False), frames if own else None)
+
     def record(self) -> dict[str, Any]:
         """Describe it as plain data."""
         way = self.again.root_path[0] - self.loop.root_path[0]
@@ -129,16 +158,12 @@ def close_by_hand(motion: Motion, frames: Span, options: CloseOptions | None = N
     """
     options, motion = options or CloseOptions(), expected(Motion, motion).with_root_motion()
     _check(motion, frames)
-    points, speeds = _told(motion)
-    starts, stops = _near(motion, frames)
+    points, starts, stops = point_cloud(motion), *_near(motion, frames)
     if options.ping_pong:
-        pace = np.linalg.norm(speeds, axis=1) + _root_pace(motion)
-        taken = (
-            int(starts[np.argmin(pace[starts])]),
-            int(stops[np.argmin(pace[stops])]),
-        )
-        return _there_and_back(motion, frames, taken, options.fade)
-    taken = _most_alike(np.hstack([points, BY_HAND.speed * speeds]), motion, starts, stops)
+        pace = _pace(points, motion) + _pace(motion.root_path / motion.skeleton.size, motion)
+        slowest = int(starts[np.argmin(pace[starts])]), int(stops[np.argmin(pace[stops])])
+        return _there_and_back(motion, frames, slowest, options.fade)
+    taken = _most_alike(points, starts, stops, _reach(motion))
     apart = float(np.sqrt(3 * np.mean((points[taken[1]] - points[taken[0]]) ** 2)))
     return _joined(motion, frames, taken, options.fade, apart)
 
@@ -158,16 +183,24 @@ def _check(motion: Motion, frames: Span) -> None:
         )
 
 
-def _told(motion: Motion) -> tuple[Array, Array]:
-    """Return poses (F, d) and their speeds a second."""
-    points = point_cloud(motion)
-    return points, np.gradient(points, axis=0) * motion.fps
+def _reach(motion: Motion) -> int:
+    """Return how many frames before and behind one tell of its speed, also where they are noisy.
+
+    Over a stretch of this reach, r, speeds are weighed against poses as wanted: a difference that
+    grows by v a second from 0 has the mean square r^2 / 3 v^2.
+    """
+    return max(1, round(np.sqrt(3) * BY_HAND.speed * motion.fps))
 
 
-def _root_pace(motion: Motion) -> Array:
-    """Return how fast the root goes (F,), in body sizes a second."""
-    steps = np.gradient(motion.root_path, axis=0) * motion.fps / motion.skeleton.size
-    return np.asarray(np.linalg.norm(steps, axis=1))
+def _pace(values: Array, motion: Motion) -> Array:
+    """Return how fast values (F, d) change a second (F,): the slope of a line through a stretch."""
+    frames, last = np.arange(len(values)), len(values) - 1
+    way, weight = np.zeros_like(values), np.zeros((len(values), 1))
+    for away in range(1, _reach(motion) + 1):
+        before, behind = np.maximum(frames - away, 0), np.minimum(frames + away, last)
+        way += away * (values[behind] - values[before])
+        weight += away * (behind - before)[:, None]
+    return np.asarray(np.linalg.norm(way / weight, axis=1)) * motion.fps
 
 
 def _near(motion: Motion, frames: Span) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -180,12 +213,24 @@ def _near(motion: Motion, frames: Span) -> tuple[NDArray[np.intp], NDArray[np.in
 
 
 def _most_alike(
-    told: Array, motion: Motion, starts: NDArray[np.intp], stops: NDArray[np.intp]
+    points: Array, starts: NDArray[np.intp], stops: NDArray[np.intp], reach: int
 ) -> Span:
-    """Return the start and the stop at which what is told (F, d) is most alike."""
-    ours, theirs = told[starts], told[stops]
+    """Return the start and the stop about which poses (F, d) are most alike.
+
+    They are compared over a stretch: one pose and its neighbours would tell noise for speed.
+    """
+    ours, theirs = (np.arange(x[0] - reach, x[-1] + reach + 1) for x in (starts, stops))
+    there = [(x >= 0) & (x < len(points)) for x in (ours, theirs)]
+    both = np.outer(*there)
+    ours, theirs = (points[np.clip(x, 0, len(points) - 1)] for x in (ours, theirs))
     squares = np.sum(ours**2, axis=1)[:, None] + np.sum(theirs**2, axis=1) - 2 * ours @ theirs.T
-    start, stop = np.unravel_index(np.argmin(squares), squares.shape)
+    squares *= both
+    total, count = np.zeros((2, len(starts), len(stops)))
+    for away in range(2 * reach + 1):
+        place = slice(away, away + len(starts)), slice(away, away + len(stops))
+        total += squares[place]
+        count += both[place]
+    start, stop = np.unravel_index(np.argmin(total / count), total.shape)
     return int(starts[start]), int(stops[stop])
 
 
@@ -202,7 +247,10 @@ def _joined(motion: Motion, asked: Span, taken: Span, fade: float, apart: float)
     rotations[:count] = rot.multiply(rotations[:count], rot.from_rotation_vector(turns))
     moved = motion.translations
     if moved is not None:
-        lack, slower = moved[stop] - moved[start], _slope(moved, stop) - _slope(moved, start)
+        lack, slower = (
+            moved[stop] - moved[start],
+            _slope(moved, stop, _reach(motion)) - _slope(moved, start, _reach(motion)),
+        )
         moved = moved[start:stop].copy()
         moved[:count] += _dying(lack, slower, count)
     loop = replace(motion, rotations=rotations, root_path=path, translations=moved)
@@ -225,17 +273,19 @@ def _fading_turns(motion: Motion, taken: Span, back: Array, count: int) -> Array
     end = motion.rotations[stop].copy()
     end[0] = rot.multiply(back, end[0])
     lack = rot.vector_between(motion.rotations[start], end)
-    slower = _turning(motion.rotations, stop) - _turning(motion.rotations, start)
+    slower = _turning(motion.rotations, stop, _reach(motion)) - _turning(
+        motion.rotations, start, _reach(motion)
+    )
     return _dying(lack, slower, count)
 
 
 def _fading_path(motion: Motion, taken: Span, back: Array, count: int) -> Array:
     """Return the way (count, 3) that dies away: the root goes on at the speed that it had."""
     start, stop = taken
-    before = rot.rotate(back, _slope(motion.root_path, stop))
+    before = rot.rotate(back, _slope(motion.root_path, stop, _reach(motion)))
     lack = (motion.root_path[stop] - motion.root_path[start]) * motion.up_vector
     lack = lack * (not _climbs(motion, taken))
-    return _dying(lack, before - _slope(motion.root_path, start), count)
+    return _dying(lack, before - _slope(motion.root_path, start, _reach(motion)), count)
 
 
 def _climbs(motion: Motion, taken: Span) -> bool:
@@ -243,16 +293,23 @@ def _climbs(motion: Motion, taken: Span) -> bool:
     return bool(abs(heights[1] - heights[0]) > CYCLE.climbs * motion.skeleton.size)
 
 
-def _slope(values: Array, frame: int) -> Array:
-    """Return the change of values (F, ...) a frame."""
-    before, behind = max(frame - 1, 0), min(frame + 1, len(values) - 1)
-    return np.asarray((values[behind] - values[before]) / (behind - before))
+def _slope(values: Array, frame: int, reach: int) -> Array:
+    """Return the change of values (F, ...) a frame: the slope of a line through a stretch."""
+    before, behind, weights = _pairs(len(values), frame, reach)
+    return np.tensordot(weights, values[behind] - values[before], axes=1)
 
 
-def _turning(rotations: Array, frame: int) -> Array:
-    """Return how joints turn a frame (J, 3), in their own axes."""
-    before, behind = max(frame - 1, 0), min(frame + 1, len(rotations) - 1)
-    return rot.vector_between(rotations[before], rotations[behind]) / (behind - before)
+def _turning(rotations: Array, frame: int, reach: int) -> Array:
+    """Return how joints turn a frame (J, 3), in their own axes, as `_slope` does."""
+    before, behind, weights = _pairs(len(rotations), frame, reach)
+    return np.tensordot(weights, rot.vector_between(rotations[before], rotations[behind]), axes=1)
+
+
+def _pairs(count: int, frame: int, reach: int) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """Return frames before and behind one, and by what to weigh the change between them."""
+    away = np.arange(1, reach + 1)
+    before, behind = np.maximum(frame - away, 0), np.minimum(frame + away, count - 1)
+    return before, behind, away / np.sum(away * (behind - before))
 
 
 def _dying(lack: Array, slower: Array, count: int) -> Array:

@@ -23,7 +23,6 @@ __all__ = [
     "Fault",
     "Period",
     "faults_of",
-    "left_phase",
     "lint",
     "odd_rate",
     "period_of",
@@ -183,14 +182,6 @@ def faults_of(loop: Apart, set_phase: float | None = None) -> tuple[Fault, ...]:
     return tuple(found)
 
 
-def left_phase(motion: Motion, wraps: bool) -> float | None:
-    """Tell where in a gait the left foot is farthest ahead, in turns of a stride.
-
-    None if the motion is no gait. Arguments and errors as of `lint`.
-    """
-    return taken_apart(motion, wraps).phase
-
-
 def odd_rate(motion: Motion, wraps: bool) -> Fault | None:
     """Find out whether a gait takes too short or too long for a person, as `lint` does.
 
@@ -207,7 +198,7 @@ def phase_of_set(phases: Sequence[float]) -> float | None:
     Parameters
     ----------
     phases : sequence of float
-        In turns, as from `left_phase`.
+        In turns, as `Apart.phase` tells them.
     """
     if len(phases) < LINT.set_least:
         return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from roundelay.base.options import Checked, option
@@ -62,7 +62,7 @@ class LoopOptions(Checked):
     Raises
     ------
     ValueError
-        If a value is out of range.
+        If a value is out of range, or the target does not read the format.
     """
 
     title: ClassVar[str] = "What is written"
@@ -117,16 +117,31 @@ class LoopOptions(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name, value in preset_of(self.target).items():
+        if self.file_format is not None:
+            checked_format(self.file_format)
+        for name, value in preset_of(self.target, self.file_format).items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
-        checked_format(self._format)
         checked_start(self.start)
         profiles[self.profile]  # refuses a name that is not known
 
     @property
     def _format(self) -> str:
         return self.file_format or "bvh"
+
+    def in_format(self, file_format: str) -> LoopOptions:
+        """Return the options of another format, and of the unit that its readers take.
+
+        A unit that is not the target's own stays.
+
+        Raises
+        ------
+        ValueError
+            If the target does not read it.
+        """
+        usual = preset_of(self.target, self.file_format)["unit"]
+        unit = None if self.unit == usual else self.unit
+        return replace(self, file_format=file_format, unit=unit)
 
     @property
     def first_repeated(self) -> bool:

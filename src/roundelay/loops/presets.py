@@ -14,31 +14,53 @@ UpAxis = Literal["file", "y", "z"]
 
 @dataclass(frozen=True)
 class _Preset:
-    """What an option of `roundelay.LoopOptions` is where the user does not say."""
+    """What an option of `roundelay.LoopOptions` is where the user does not say.
 
-    file_format: str = "bvh"
+    `formats` are those that the program reads, the usual one first; none given means any.
+    """
+
+    formats: tuple[str, ...] = ()
     fps: float | None = None
     in_place: bool = False
     repeat_first: bool = False
-    unit: Unit = "file"
     up: UpAxis = "file"
     face_forward: bool = False
     root_bone: bool = False
 
 
-# Readers of FBX take lengths for centimetres, those of glTF for metres.
+_GLTF = ("glb", "gltf")
 _PRESETS: dict[Target | None, _Preset] = {
     None: _Preset(),
-    "unity": _Preset("fbx", 30, unit="cm", up="y", face_forward=True, root_bone=True),
-    "unreal": _Preset("fbx", 30, unit="cm", up="y", face_forward=True, root_bone=True),
-    "godot": _Preset("glb", 30, unit="m", up="y", face_forward=True, root_bone=True),
+    "unity": _Preset(("fbx",), 30, up="y", face_forward=True, root_bone=True),
+    "unreal": _Preset(("fbx",), 30, up="y", face_forward=True, root_bone=True),
+    "godot": _Preset(_GLTF, 30, up="y", face_forward=True, root_bone=True),
     # A scene's range shows each of its frames once: BVH repeats none, and 24 is the scene's rate.
-    "blender": _Preset("bvh", 24, unit="m", up="y", face_forward=True),
-    "maya": _Preset("fbx", 24, unit="cm", up="y", face_forward=True),
-    "web": _Preset("glb", 30, in_place=True, unit="m", up="y", face_forward=True),
+    "blender": _Preset(("bvh", *_GLTF, "fbx"), 24, up="y", face_forward=True),
+    "maya": _Preset(("fbx",), 24, up="y", face_forward=True),
+    "web": _Preset(_GLTF, 30, in_place=True, up="y", face_forward=True),
 }
 
 
-def preset_of(target: Target | None) -> dict[str, Any]:
-    """Return the options of a preset by name; those of no program for None."""
-    return vars(_PRESETS[target])
+def preset_of(target: Target | None, file_format: str | None) -> dict[str, Any]:
+    """Return the options of a preset by name; those of no program for None.
+
+    Parameters
+    ----------
+    target : str, optional
+    file_format : str, optional
+        The format that was asked for; the program's usual one by default.
+
+    Raises
+    ------
+    ValueError
+        If the program does not read the format.
+    """
+    options = dict(vars(_PRESETS[target]))
+    formats = options.pop("formats") or (file_format or "bvh",)
+    file_format = file_format or formats[0]
+    if file_format not in formats:
+        known = ", ".join(formats)
+        raise ValueError(f"expected a format that {target} reads ({known}), found {file_format!r}")
+    # Readers of FBX take lengths for centimetres, others for metres.
+    unit = "file" if target is None else "cm" if file_format == "fbx" else "m"
+    return options | {"file_format": file_format, "unit": unit}

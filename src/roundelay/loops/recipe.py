@@ -16,7 +16,7 @@ from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import mapped, mirrored
 from roundelay.cycles.edit.separate import Mended, repaired, repaired_motion, source_parts
 from roundelay.cycles.events import begun, started
-from roundelay.formats import checked_format, files_written, write
+from roundelay.formats import files_written, write
 from roundelay.loops.exported import exported
 from roundelay.loops.lint import odd_rate
 from roundelay.loops.options import LoopOptions
@@ -87,8 +87,8 @@ class Rendered:
 
     def _in_format(self, file_format: str) -> Motion:
         """Return the frames of a file in a format."""
-        other = replace(self.render, file_format=checked_format(file_format))
-        if other.sampling == self.render.sampling:
+        other = self.render.in_format(file_format)
+        if (other.sampling, other.unit) == (self.render.sampling, self.render.unit):
             return self.motion
         return exported(self.cycle, other)
 
@@ -132,8 +132,9 @@ def made_loop(cycle: Cycle, capture: Motion, render: LoopOptions | None = None) 
         If the cycle carries no evidence of where it was found.
     """
     render, capture = chosen(LoopOptions, render), expected(Motion, capture)
-    found, plain = _rendered(cycle, source_parts(expected(Cycle, cycle), capture), render)
+    sources = source_parts(expected(Cycle, cycle), capture)
     capture = placed(capture, render)
+    found, plain = _rendered(cycle, sources, render, capture)
     figures = quality(found.cycle, capture)
     verdict = verdict_of(
         found.cycle,
@@ -188,10 +189,10 @@ def rendered(cycle: Cycle, sources: Sequence[Motion], render: LoopOptions) -> Re
 
 
 def _rendered(
-    cycle: Cycle, sources: Sequence[Motion], render: LoopOptions
+    cycle: Cycle, sources: Sequence[Motion], render: LoopOptions, capture: Motion | None = None
 ) -> tuple[Rendered, Motion]:
-    """Return also the frames in the capture's world."""
-    cycle = started(placed(cycle, render), render.start)
+    """Return also the frames in the capture's world; the capture is placed already."""
+    cycle = started(placed(cycle, render), render.start, capture)
     parted: tuple[Mended, ...] = ()
     if render.repair:
         cycle, parted = repaired(cycle, [placed(each, render) for each in sources])

@@ -98,7 +98,7 @@ def refusal_record(refusal: NoPeriod) -> dict[str, Any]:
         evidence = evidence_record(found)
     elif isinstance(found, Barcode):
         evidence = {"barcode": _bars(found)}
-    return {"cycles": [], "reason": str(refusal), "evidence": evidence}
+    return {"cycles": [], "picture": None, "reason": str(refusal), "evidence": evidence}
 
 
 def evidence_record(evidence: Evidence) -> dict[str, Any]:

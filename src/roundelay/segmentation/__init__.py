@@ -4,6 +4,7 @@
 "Segmenting Motion Capture Data into Distinct Behaviors", Graphics Interface 2004.
 """
 
+from roundelay.segmentation.behaviours import BehaviourOptions
 from roundelay.segmentation.cutting import method_names, segment, segment_channels, segmented
 from roundelay.segmentation.features import (
     STANDARD_JOINTS,
@@ -23,6 +24,7 @@ __all__ = [
     "STANDARD_JOINTS",
     "TOLERANCES",
     "Agreement",
+    "BehaviourOptions",
     "Channels",
     "Curve",
     "Cuts",

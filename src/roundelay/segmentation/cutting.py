@@ -11,17 +11,19 @@ from numpy.typing import ArrayLike
 
 from roundelay.base.checks import expected
 from roundelay.base.errors import TooShort
+from roundelay.base.spans import Spans
 from roundelay.base.threads import one_thread
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import leading_rest_pose
+from roundelay.segmentation.behaviours import BehaviourOptions
 from roundelay.segmentation.features import joint_quaternions
-from roundelay.segmentation.gaussian import GaussianOptions
 from roundelay.segmentation.gmm import GMMOptions
 from roundelay.segmentation.method import Channels, Cuts, SegmentationMethod
 from roundelay.segmentation.methods import segmentation_methods
 from roundelay.segmentation.ppca import PPCAOptions
 from roundelay.segmentation.result import Segment, Segmentation
 from roundelay.segmentation.thresholds import MODEL
+from roundelay.segmentation.tree import CutTree
 
 __all__ = ["checked_method", "method_names", "segment", "segment_channels", "segmented"]
 
@@ -33,30 +35,35 @@ _PAPER: dict[str, Any] = {"ppca-paper": PPCAOptions.paper(), "gmm-paper": GMMOpt
 def segment(
     motion: Motion,
     *,
-    method: str | Any = "gaussian",
+    method: str | Any = "behaviours",
     sensitivity: float = 1.0,
     n_segments: int | None = None,
     joints: Iterable[str] | None = None,
     rng: int | np.random.Generator | None = None,
+    repeating: Iterable[Spans] = (),
 ) -> Segmentation:
     """Cut a capture into behaviours, and name those that come back alike.
+
+    `roundelay.segment` does the same, and knows what repeats in the capture.
 
     Parameters
     ----------
     motion : Motion
     method : str or options
-        ``gaussian`` (the default, needs nothing), ``pca``, ``ppca`` or ``gmm`` of [B];
-        ``ppca-paper`` and ``gmm-paper`` with all of the paper's own choices (those of ``pca``
-        are the paper's); one that a plug-in brings; or a method's options, such as
-        ``PPCAOptions(threshold=2.5)``.
+        ``behaviours`` (the default, needs nothing); ``gaussian``, what it proposes by itself;
+        ``pca``, ``ppca`` or ``gmm`` of [B]; ``ppca-paper`` and ``gmm-paper`` with all of the
+        paper's own choices (those of ``pca`` are the paper's); one that a plug-in brings; or a
+        method's options, such as ``PPCAOptions(threshold=2.5)``.
     sensitivity : float
-        2 finds finer behaviours, .5 coarser ones (``gaussian`` only).
+        2 finds finer behaviours, .5 coarser ones (``behaviours`` only).
     n_segments : int, optional
-        Make exactly this many segments (``gaussian`` only).
+        Make exactly this many segments (``behaviours`` only).
     joints : iterable of str, optional
         Joints to look at; by default those that correspond to [B]'s fourteen.
     rng : int or numpy.random.Generator, optional
         For ``gmm``; seeded with 0 by default.
+    repeating : iterable of Spans
+        Frames in which something is known to repeat; see `Channels`.
 
     Returns
     -------
@@ -78,6 +85,7 @@ def segment(
     chosen, options = _chosen(method, sensitivity, n_segments)
     # A quaternion moves half as far as its rotation turns.
     channels = Channels(values, motion.fps, 2.0, MODEL.resolution, np.random.default_rng(rng or 0))
+    channels = replace(channels, repeating=tuple(repeating))
     return replace(segmented(channels, chosen, options), source=motion.name)
 
 
@@ -86,7 +94,7 @@ def segment_channels(
     values: ArrayLike,
     fps: float,
     *,
-    method: str | Any = "gaussian",
+    method: str | Any = "behaviours",
     sensitivity: float = 1.0,
     n_segments: int | None = None,
     rng: int | np.random.Generator | None = None,
@@ -132,11 +140,11 @@ def _chosen(
     method: Any, sensitivity: float, n_segments: int | None
 ) -> tuple[SegmentationMethod, Any]:
     """Return the method of a name or of options, and its options."""
-    if method == "gaussian":
-        options = GaussianOptions(sensitivity=sensitivity, n_segments=n_segments)
-        return segmentation_methods["gaussian"], options
+    if method == "behaviours":
+        options = BehaviourOptions(sensitivity=sensitivity, n_segments=n_segments)
+        return segmentation_methods["behaviours"], options
     if sensitivity != 1.0 or n_segments is not None:
-        raise ValueError("expected sensitivity and n_segments with the method 'gaussian' only")
+        raise ValueError("expected sensitivity and n_segments with the method 'behaviours' only")
     if isinstance(method, str) and checked_method(method) not in _PAPER:
         named = segmentation_methods[method]
         return named, named.options
@@ -169,9 +177,9 @@ def segmented(channels: Channels, method: SegmentationMethod, options: Any) -> S
 
 
 def _recurring(channels: Channels, found: Cuts) -> Sequence[int]:
-    """Label segments that one Gaussian describes as well as two alike."""
-    model = channels.model()
-    return model.labels([min(cut // model.step, len(model) - 1) for cut in found.frames])
+    """Label segments as the default method does."""
+    tree = CutTree.of(channels, shortest=0.0)
+    return tree.labels([min(cut // tree.model.step, len(tree.model) - 1) for cut in found.frames])
 
 
 def _segments(found: Cuts, labels: Sequence[int], frames: int) -> tuple[Segment, ...]:

@@ -73,22 +73,24 @@ def joint_quaternions(motion: Motion, joints: Iterable[str] | None = None) -> ND
 def corresponding_joints(skeleton: Skeleton) -> tuple[str, ...]:
     """Choose the joints that stand for the standard ones of [B].
 
-    An Acclaim skeleton has the standard joints themselves. On others, spine, neck, head, upper
-    arms, forearms, thighs and shins are found by the usual names; where one kind of limb is
-    found under no name, all joints but the root are taken.
+    An Acclaim skeleton has the standard joints themselves; its trunk may have fewer. On others,
+    spine, neck, head, upper arms, forearms, thighs and shins are found by the usual names; where
+    one kind of limb is found under no name, all joints but the root are taken.
 
     Raises
     ------
     SkeletonMismatch
-        If most of the standard joints are there and some are missing: the message names them.
+        If most of the standard joints are there and one of a limb is missing: the message names
+        it.
     """
     missing = [name for name in STANDARD_JOINTS if name not in skeleton.names]
-    if not missing:
-        return STANDARD_JOINTS
     if 2 * len(missing) < len(STANDARD_JOINTS):
-        raise SkeletonMismatch(
-            f"the standard joints {', '.join(missing)} are missing; name the joints to use"
-        )
+        of_limbs = [name for name in missing if not _TRUNK.search(name)]
+        if of_limbs:
+            raise SkeletonMismatch(
+                f"the standard joints {', '.join(of_limbs)} are missing; name the joints to use"
+            )
+        return tuple(name for name in STANDARD_JOINTS if name not in missing)
     found = {name: _kinds(name) for name in skeleton.names[1:]}
     if {kind for kinds in found.values() for kind in kinds} >= set(_LIMBS):
         return tuple(name for name, kinds in found.items() if kinds)

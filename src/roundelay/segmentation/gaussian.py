@@ -29,6 +29,8 @@ __all__ = [
     "cut_evidence",
     "evidence_curve",
     "gaussian_cuts",
+    "search",
+    "settled",
 ]
 
 Array = NDArray[np.float64]
@@ -85,15 +87,37 @@ def gaussian_cuts(model: GaussianModel, options: GaussianOptions) -> list[int]:
             raise ValueError(f"expected a moving capture of {count} segments, found one")
         return []
     if count is None:
-        cuts = _search(model, options.shortest, 1.0 / options.sensitivity)
+        cuts = search(model, options.shortest, 1.0 / options.sensitivity)
     else:
         cuts = _exactly(model, options.shortest, count)
-    return _settled(model, cuts, options.shortest)
+    return settled(model, cuts, options.shortest)
 
 
-def _search(model: GaussianModel, shortest: float, evidence: float) -> list[int]:
-    """Minimise the penalised cost over all cuts on the grid (PELT: Killick et al. 2012)."""
-    grid, least = _grid(model, shortest)
+def search(
+    model: GaussianModel,
+    shortest: float,
+    evidence: float,
+    between: tuple[int, int] | None = None,
+) -> list[int]:
+    """Minimise the penalised cost over all cuts on a grid (PELT: Killick et al. 2012).
+
+    Parameters
+    ----------
+    model : GaussianModel
+    shortest : float
+        Seconds of a segment at least.
+    evidence : float
+        What is asked of a cut, in times of the model's penalty.
+    between : (int, int), optional
+        Thinned frames to cut; all by default.
+
+    Returns
+    -------
+    list of int
+        First thinned frame of every segment but the first.
+    """
+    first, last = (0, len(model)) if between is None else between
+    grid, least = _grid(model, shortest, first, last)
     penalty = evidence * model.penalty
     best, previous = np.full(len(grid), np.inf), np.zeros(len(grid), dtype=int)
     best[0] = -penalty
@@ -111,11 +135,13 @@ def _search(model: GaussianModel, shortest: float, evidence: float) -> list[int]
     return [int(grid[place]) for place in _traced(previous)]
 
 
-def _grid(model: GaussianModel, shortest: float) -> tuple[NDArray[np.intp], int]:
+def _grid(
+    model: GaussianModel, shortest: float, first: int, last: int
+) -> tuple[NDArray[np.intp], int]:
     """Return the boundaries cuts are sought at, and how many steps the shortest segment has."""
     step = max(1, round(GAUSSIAN.grid * model.fps))
-    inner = np.arange(0, len(model) - step + 1, step)
-    return np.append(inner, len(model)), max(1, int(np.ceil(shortest * model.fps / step)))
+    inner = np.arange(first, last - step + 1, step)
+    return np.append(inner, last), max(1, int(np.ceil(shortest * model.fps / step)))
 
 
 def _remembered(reached: Array, age: Array) -> NDArray[np.bool_]:
@@ -137,7 +163,7 @@ def _traced(previous: NDArray[np.intp]) -> list[int]:
 
 def _exactly(model: GaussianModel, shortest: float, count: int) -> list[int]:
     """Find `count` segments: bisect the penalty, then drop the weakest cuts too many."""
-    cuts = _search(model, shortest, 0.0)
+    cuts = search(model, shortest, 0.0)
     if len(cuts) + 1 < count:
         raise ValueError(
             f"expected at most {len(cuts) + 1} segments of at least {shortest:g} s in "
@@ -146,7 +172,7 @@ def _exactly(model: GaussianModel, shortest: float, count: int) -> list[int]:
     low, high = -GAUSSIAN.penalties, GAUSSIAN.penalties
     for _ in range(GAUSSIAN.bisections):
         middle = 0.5 * (low + high)
-        trial = _search(model, shortest, np.exp(middle))
+        trial = search(model, shortest, np.exp(middle))
         low, high = (middle, high) if len(trial) + 1 >= count else (low, middle)
         cuts = trial if len(trial) + 1 >= count else cuts
         if len(trial) + 1 == count:
@@ -177,17 +203,34 @@ def evidence_curve(model: GaussianModel, cuts: list[int]) -> tuple[Array, Array]
     return places, model.evidence(bounds[before], places, bounds[after])
 
 
-def _settled(model: GaussianModel, cuts: list[int], shortest: float) -> list[int]:
-    """Move each cut to its most probable frame, with a prior for moments of little motion."""
+def settled(
+    model: GaussianModel,
+    cuts: list[int],
+    shortest: float,
+    between: tuple[int, int] | None = None,
+) -> list[int]:
+    """Move each cut to its most probable frame, with a prior for moments of little motion.
+
+    Parameters
+    ----------
+    model : GaussianModel
+    cuts : list of int
+        First thinned frame of every segment but the first.
+    shortest : float
+        Seconds that segments keep at least.
+    between : (int, int), optional
+        Thinned frames that are cut; all by default.
+    """
     speed = np.linalg.norm(np.gradient(model.points, axis=0), axis=1)
     calm = -GAUSSIAN.calm * np.log(speed + GAUSSIAN.slow * np.median(speed) + SMALLEST)
-    bounds, least = [0, *cuts, len(model)], int(shortest * model.fps)
+    first, last = (0, len(model)) if between is None else between
+    bounds, least = [first, *cuts, last], int(shortest * model.fps)
     reach = int(GAUSSIAN.reach * model.fps)
     for i in range(1, len(bounds) - 1):
         before, cut, after = bounds[i - 1 : i + 2]
-        first = max(cut - reach, min(before + least, cut))
-        last = min(cut + reach, max(after - least, cut))
-        places = np.arange(first, last + 1)
+        earliest = max(cut - reach, min(before + least, cut))
+        latest = min(cut + reach, max(after - least, cut))
+        places = np.arange(earliest, latest + 1)
         fit = -model.cost_between(before, places) - model.cost_between(places, after)
         bounds[i] = int(places[np.argmax(0.5 * fit / model.correlation_time + calm[places])])
     return bounds[1:-1]

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.spans import Spans
 from roundelay.segmentation.model import GaussianModel
 from roundelay.segmentation.result import Curve
 
@@ -34,6 +35,9 @@ class Channels:
         Difference, after `turn`, that makes no behaviour; relative to the values by default.
     rng : numpy.random.Generator
         For methods that draw numbers.
+    repeating : tuple of Spans
+        Frames in which something repeats that is known to be one behaviour, such as those of
+        `roundelay.Timeline.cyclic`.
     """
 
     values: Array
@@ -41,6 +45,7 @@ class Channels:
     turn: float = 1.0
     resolution: float | None = None
     rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(0))
+    repeating: tuple[Spans, ...] = ()
 
     def model(self, resolution: float | None = None) -> GaussianModel:
         """Return the likelihood of stretches of the channels, at a resolution of one's own.

@@ -6,6 +6,7 @@ import numpy as np
 
 from roundelay.base.errors import TooShort
 from roundelay.base.registry import Registry
+from roundelay.segmentation.behaviours import Behaviours
 from roundelay.segmentation.gaussian import (
     GaussianOptions,
     cut_evidence,
@@ -18,11 +19,11 @@ from roundelay.segmentation.pca import OnlinePCA, PCAOptions
 from roundelay.segmentation.ppca import PPCAOptions, ppca_cuts
 from roundelay.segmentation.result import Curve
 
-__all__ = ["GMM", "PCA", "PPCA", "Gaussian", "segmentation_methods"]
+__all__ = ["GMM", "PCA", "PPCA", "Behaviours", "Gaussian", "segmentation_methods"]
 
 
 class Gaussian:
-    """The default: piecewise Gaussian, by penalised likelihood."""
+    """What the default proposes: piecewise Gaussian, by penalised likelihood."""
 
     name = "gaussian"
     options = GaussianOptions()
@@ -31,16 +32,11 @@ class Gaussian:
         """Find the cuts; see `roundelay.segmentation.SegmentationMethod`."""
         model = channels.model(options.resolution)
         cuts = gaussian_cuts(model, options)
-        labels = model.labels(cuts)
-        if options.n_segments is None:
-            # Neighbours that turned out to be one behaviour, together with others of its kind.
-            kept = [i for i in range(len(cuts)) if labels[i] != labels[i + 1]]
-            cuts, labels = [cuts[i] for i in kept], [labels[i] for i in [*kept, len(labels) - 1]]
         strengths = cut_evidence(model, cuts) * options.sensitivity
         places, values = evidence_curve(model, cuts)
         meaning = "evidence for a cut (1 is enough)"
         curve = Curve(places * float(model.step), values * options.sensitivity, meaning)
-        return Cuts([cut * model.step for cut in cuts], strengths.tolist(), curve, labels)
+        return Cuts([cut * model.step for cut in cuts], strengths.tolist(), curve)
 
 
 class PCA:
@@ -97,6 +93,7 @@ class GMM:
 segmentation_methods: Registry[SegmentationMethod] = Registry(
     "segmentation method", "roundelay.segmentation_methods", SegmentationMethod
 )
+segmentation_methods.add(Behaviours())
 segmentation_methods.add(Gaussian())
 segmentation_methods.add(PCA())
 segmentation_methods.add(PPCA())

@@ -8,17 +8,17 @@ as good as independent.
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import TooShort
 from roundelay.base.numeric import SMALLEST
-from roundelay.segmentation.labels import recurring_labels
-from roundelay.segmentation.moments import Moments, principal_axes
-from roundelay.segmentation.thresholds import MODEL
+from roundelay.segmentation.moments import Moments, normalized, principal_axes
+from roundelay.segmentation.thresholds import GAUSSIAN, MODEL
 
-__all__ = ["GaussianModel"]
+__all__ = ["GaussianModel", "smoothed"]
 
 Array = NDArray[np.float64]
 
@@ -46,23 +46,18 @@ class GaussianModel:
             raise TooShort("expected at least one frame, found none")
         self.step = max(1, round(fps / MODEL.rate))
         self.fps = fps / self.step
-        thinned = _thinned(values, self.step)
+        thinned = _without_glitches(_thinned(values, self.step))
         variances, axes = principal_axes(thinned)
         total = float(np.sqrt(variances.sum()))
         self.resolution = MODEL.relative * total if resolution is None else resolution
         kept = variances > (MODEL.negligible * self.resolution) ** 2
         moving = (thinned - thinned.mean(axis=0)) @ axes[:, kept]
-        self.points = _smoothed(moving, MODEL.smoothing * self.fps)
+        self.points = smoothed(moving, MODEL.smoothing * self.fps, ends="edge")
         self.dimension = float(np.sum(variances / (variances + self.resolution**2 + SMALLEST)))
         self.still = not kept.any()
 
     def __len__(self) -> int:
         return len(self.points)
-
-    @cached_property
-    def moments(self) -> Moments:
-        """Running sums over the points."""
-        return Moments.of(self.points)
 
     @cached_property
     def correlation_time(self) -> float:
@@ -81,20 +76,39 @@ class GaussianModel:
 
     def cost_between(self, start: ArrayLike, stop: ArrayLike) -> Array:
         """`cost` of the frames between boundaries."""
-        count, _, covariance = self.moments.between(start, stop)
+        first, last = np.broadcast_arrays(start, stop)
+        before, until = self._sums_before(first), self._sums_before(last)
+        count = (last - first).astype(float)
+        total, products = (b - a for a, b in zip(before, until, strict=True))
+        _, _, covariance = normalized(count, total, products)
         return self.cost(count, covariance)
+
+    def _sums_before(self, places: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return sums (..., d) and sums of products (..., d, d) of the frames before places."""
+        block, moments = self._block, self._moments
+        whole, rest = np.divmod(places, block)
+        total, products = moments.sums[whole], moments.products[whole]
+        if rest.any():
+            within = np.arange(block - 1)
+            frames = np.minimum(whole[..., None] * block + within, len(self) - 1)
+            points = self.points[frames] * (within < rest[..., None])[..., None]
+            total = total + points.sum(axis=-2)
+            products = products + np.swapaxes(points, -1, -2) @ points
+        return total, products
+
+    @cached_property
+    def _block(self) -> int:
+        """Frames a sum is kept of: cuts are first sought at its multiples."""
+        return max(1, min(round(GAUSSIAN.grid * self.fps), len(self)))
+
+    @cached_property
+    def _moments(self) -> Moments:
+        return Moments.of(self.points, self._block)
 
     def evidence(self, start: ArrayLike, cut: ArrayLike, stop: ArrayLike) -> Array:
         """How much a cut between two boundaries gains, over what is asked: 1 is just enough."""
         parts = self.cost_between(start, cut) + self.cost_between(cut, stop)
         return (self.cost_between(start, stop) - parts) / self.penalty
-
-    def labels(self, cuts: list[int]) -> list[int]:
-        """Label the segments between cuts, behaviours that come back alike."""
-        if self.still:
-            return [0] * (len(cuts) + 1)
-        bounds, penalty = [0, *cuts, len(self)], MODEL.label / MODEL.evidence * self.penalty
-        return recurring_labels(self.moments, bounds, self.cost, penalty)
 
 
 def _thinned(values: Array, step: int) -> Array:
@@ -105,11 +119,30 @@ def _thinned(values: Array, step: int) -> Array:
     return np.add.reduceat(values, starts, axis=0) / counts[:, None]
 
 
-def _smoothed(values: Array, deviation: float) -> Array:
-    """Smooth over time with a Gaussian of `deviation` frames, ends held."""
+def _without_glitches(values: Array) -> Array:
+    """Replace each value (n, d) by the median of it and its two neighbours in time."""
+    if len(values) < 3:
+        return values
+    before, here, after = values[:-2], values[1:-1], values[2:]
+    low, high = np.minimum(before, after), np.maximum(before, after)
+    return np.concatenate([values[:1], np.clip(here, low, high), values[-1:]])
+
+
+def smoothed(values: Array, deviation: float, *, ends: Literal["edge", "reflect"]) -> Array:
+    """Smooth values (n, d) over time with a Gaussian.
+
+    Parameters
+    ----------
+    values : (n, d) ndarray
+    deviation : float
+        Standard deviation, in frames.
+    ends : str
+        What is beyond the ends: the last value, or what lies before it, mirrored.
+    """
     reach = int(np.ceil(MODEL.kernel * deviation))
+    reach = min(reach, len(values) - 1) if ends == "reflect" else reach
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / deviation) ** 2)
-    padded = np.pad(values, ((reach, reach), (0, 0)), mode="edge")
+    padded = np.pad(values, ((reach, reach), (0, 0)), mode=ends)
     smooth = np.zeros_like(values)
     for shift, weight in enumerate(weights / weights.sum()):
         smooth += weight * padded[shift : shift + len(values)]

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from roundelay.base.options import Checked, option
+from roundelay.segmentation.behaviours import BehaviourOptions
 from roundelay.segmentation.cutting import checked_method
-from roundelay.segmentation.gaussian import GaussianOptions
 
 __all__ = ["SegmentOptions"]
 
@@ -20,7 +20,7 @@ class SegmentOptions(Checked):
     ----------
     method : str
         The method's name, as `roundelay.segment` takes it.
-    gaussian : GaussianOptions
+    default : BehaviourOptions
         The options of the default method.
 
     Raises
@@ -31,18 +31,19 @@ class SegmentOptions(Checked):
 
     title: ClassVar[str] = "Where behaviours change"
 
-    method: str = option("gaussian", "How cuts are found: {methods}.", flag="cut-by")
-    gaussian: GaussianOptions = option(GaussianOptions, "The default method.")
+    method: str = option("behaviours", "How cuts are found: {methods}.", flag="cut-by")
+    default: BehaviourOptions = option(BehaviourOptions, "The default method.")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         checked_method(self.method)
-        if self.method != "gaussian" and self.gaussian != GaussianOptions():
+        if self.method != "behaviours" and self.default != BehaviourOptions():
             raise ValueError(
-                f"expected options of the method 'gaussian' with that method, found {self.method!r}"
+                "expected options of the method 'behaviours' with that method, "
+                f"found {self.method!r}"
             )
 
     @property
-    def chosen(self) -> str | GaussianOptions:
+    def chosen(self) -> str | BehaviourOptions:
         """What `roundelay.segment` takes for its method."""
-        return self.gaussian if self.method == "gaussian" else self.method
+        return self.default if self.method == "behaviours" else self.method

@@ -175,7 +175,7 @@ class OnlinePPCA:
         return self.cuts[known:]
 
     def _restart(self) -> None:
-        self._model_blocks = 0
+        self._model_blocks, self._gone = 0, 0
         self._total, self._products = np.zeros(1), np.zeros((1, 1))
         self._latest, self._descended = -np.inf, False
         self._valley, self._peak, self._peak_blocks = np.inf, -np.inf, 0
@@ -186,16 +186,17 @@ class OnlinePPCA:
         self._blocks.append((block.sum(axis=0), block.T @ block))
         ahead = self.window // self._step
         # The first model takes T frames, and T more must be there to look at.
-        while len(self._blocks) >= max(self._model_blocks + 1, ahead) + ahead:
+        while self._gone + len(self._blocks) >= max(self._model_blocks + 1, ahead) + ahead:
             self._grow(max(self._model_blocks + 1, ahead), ahead)
 
     def _grow(self, blocks: int, ahead: int) -> None:
-        for total, products in self._blocks[self._model_blocks : blocks]:
+        first, last = self._model_blocks - self._gone, blocks - self._gone
+        for total, products in self._blocks[first:last]:
             self._total, self._products = self._total + total, self._products + products
         self._model_blocks = blocks
         count = blocks * self._step
         model = PPCAModel.of(count, self._total, self._products, self.options.energy)
-        window = self._blocks[blocks : blocks + ahead]
+        window = self._blocks[last : last + ahead]
         total = np.sum([part[0] for part in window], axis=0)
         products = np.sum([part[1] for part in window], axis=0)
         distance = model.distance(self.window, total, products)
@@ -211,15 +212,23 @@ class OnlinePPCA:
         rise = self.options.rise(self._valley, self._peak) if self._descended else 0.0
         if rise >= 1.0 and self._peak - distance > PPCA.descent * (self._peak - self._valley):
             self._cut(rise)
-        elif not self._descended or (rise < 1.0 and distance < self._valley):
+            return
+        if not self._descended or (rise < 1.0 and distance < self._valley):
             self._valley, self._peak = distance, distance
             self._peak_blocks = self._model_blocks
+        # What is no peak yet becomes none without a new one, or a new valley.
+        self._forget(self._peak_blocks if rise >= 1.0 else self._model_blocks)
+
+    def _forget(self, blocks: int) -> None:
+        """Let go of blocks that are in the model, and at which no cut can be made any more."""
+        del self._blocks[: blocks - self._gone]
+        self._gone = blocks
 
     def _cut(self, rise: float) -> None:
         self._start += self._peak_blocks * self._step
         self.cuts.append(self._start)
         self.strengths.append(rise)
-        del self._blocks[: self._peak_blocks]
+        self._forget(self._peak_blocks)
         self._restart()
 
 

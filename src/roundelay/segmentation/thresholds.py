@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
-__all__ = ["GAUSSIAN", "GMM", "MODEL", "PCA", "PPCA", "SCORING"]
+__all__ = ["GAUSSIAN", "GMM", "LIKENESS", "MODEL", "PCA", "PPCA", "SCORING", "TREE"]
 
 
 @dataclass(frozen=True)
@@ -40,12 +40,6 @@ class _Model(Thresholds):
         5.5,
         unit="log-likelihood ratio, an effective dimension and independent pose",
         origin="what a cut must gain; chosen on the captures of the segmentation benchmark",
-    )
-    label: float = constant(
-        4.0,
-        unit="log-likelihood ratio, an effective dimension and independent pose",
-        origin="what a label must gain: less, for there is no search over its place; chosen on the "
-        "captures of the segmentation benchmark",
     )
 
 
@@ -81,6 +75,86 @@ class _Gaussian(Thresholds):
 
 
 GAUSSIAN = _Gaussian()
+
+
+@dataclass(frozen=True)
+class _Likeness(Thresholds):
+    """How alike two stretches are, and from where on they are two behaviours."""
+
+    posture: float = constant(
+        1.0, unit="seconds, standard deviation", origin="slower posture is taken off; SCIENCE 10"
+    )
+    window: float = constant(0.4, unit="seconds", origin="length of what is predicted; SCIENCE 10")
+    poses: int = constant(5, unit="poses a window", origin="enough for a curve; SCIENCE 10")
+    asked: int = constant(100, unit="windows a stretch", origin="that are predicted; for speed")
+    windows: int = constant(400, unit="windows a stretch", origin="that predict; for speed")
+    sketched_asked: int = constant(20, unit="windows a stretch", origin="of a sketch; for speed")
+    sketched_windows: int = constant(80, unit="windows a stretch", origin="of a sketch; for speed")
+    sketched: float = constant(
+        0.15,
+        unit="logarithm of errors",
+        origin="sketches of what is alike err by .08 at most (LAFAN1): what they tell farther "
+        "apart is not compared; for speed",
+    )
+    apart: float = constant(
+        0.5, unit="seconds", origin="nearer windows of a stretch are the same moment; SCIENCE 10"
+    )
+    error: float = constant(
+        4 / 3, unit="resolutions", origin="smaller errors of a prediction do not matter; SCIENCE 10"
+    )
+    offset: float = constant(
+        2 / 3, unit="resolutions", origin="nearer postures are one; SCIENCE 10"
+    )
+    far: float = constant(
+        20 / 3, unit="resolutions", origin="distance of postures that tells nothing; SCIENCE 10"
+    )
+    share: float = constant(
+        0.2, unit="of a logarithm of errors", origin="weight of the posture's; SCIENCE 10"
+    )
+    filled: float = constant(
+        0.6, unit="share of the frames", origin="what repeats in so many is what a stretch shows"
+    )
+    same: float = constant(
+        -1.0, unit="logarithm of errors", origin="of two in which the same repeats: surely alike"
+    )
+    members: int = constant(4, unit="stretches", origin="that stand for a behaviour; for speed")
+    cut: float = constant(
+        0.02,
+        unit="logarithm of errors",
+        origin="the odds of a cut are even here; fitted to heights by logistic regression, on CMU, "
+        "HDM05, Bandai-Namco and joined clips of LAFAN1",
+    )
+    scale: float = constant(
+        0.2,
+        unit="logarithm of errors",
+        origin="by which the odds of a cut grow e-fold; fitted with it",
+    )
+    label: float = constant(
+        0.05,
+        unit="logarithm of errors",
+        origin="below, two stretches are one behaviour; chosen on CMU, HDM05 and Bandai-Namco",
+    )
+
+
+LIKENESS = _Likeness()
+
+
+@dataclass(frozen=True)
+class _Tree(Thresholds):
+    """Cuts finer than the proposals."""
+
+    proposed: float = constant(
+        0.8,
+        unit="times the evidence",
+        origin="asked of a proposal; "
+        "less cuts [B]'s captures too finely, more loses cuts of Bandai-Namco and HDM05",
+    )
+    levels: int = constant(
+        10, unit="halvings of the evidence", origin="a thousandth of it: all there is to be found"
+    )
+
+
+TREE = _Tree()
 
 
 @dataclass(frozen=True)

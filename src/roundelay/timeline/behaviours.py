@@ -135,6 +135,21 @@ class Timeline:
         """The behaviours that repeat."""
         return tuple(each for each in self.behaviours if each.kind == "cyclic")
 
+    def checked(self, n_frames: int) -> Timeline:
+        """Return itself for a take of so many frames.
+
+        Raises
+        ------
+        ValueError
+            If it has another number.
+        """
+        if n_frames != self.n_frames:
+            raise ValueError(
+                f"expected the timeline of a take of {n_frames} frames, found one of "
+                f"{self.n_frames}"
+            )
+        return self
+
     def passing(self, limb: str) -> Spans:
         """Return the frames in which nothing is known of a limb but that it passes.
 

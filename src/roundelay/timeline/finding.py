@@ -23,7 +23,10 @@ __all__ = ["find_evidence"]
 
 
 def find_evidence(
-    take: Motion | Poses, options: Options, progress: Progress | None = None
+    take: Motion | Poses,
+    options: Options,
+    progress: Progress | None = None,
+    told: Timeline | None = None,
 ) -> tuple[Search, list[Evidence]]:
     """Measure every motion of a take's timeline.
 
@@ -33,6 +36,8 @@ def find_evidence(
     options : Options
     progress : callable, optional
         Called with the fraction done, up to .5, and the stage's name; returning False cancels.
+    told : Timeline, optional
+        The take's, if it is known.
 
     Returns
     -------
@@ -45,10 +50,14 @@ def find_evidence(
     ------
     NoPeriod
         If there is none, with the reason and the evidence of the best candidate.
+    ValueError
+        If the timeline is of a take with another number of frames.
     """
     first_half = progress and (lambda done, stage: progress(0.5 * done, stage))
-    told = timeline_of(take, options, first_half)
     search = Search.of_take(take, options)
+    if told is None:
+        told = timeline_of(take, options, first_half)
+    told.checked(len(search.points))
     report(progress, 0.5, "computing barcodes")
     if options.topology.classes is not None:
         return search, _classes(search, told, options)

@@ -117,9 +117,7 @@ def test_a_capture_that_is_too_poor_for_evidence():
 
 
 def test_behaviours_are_on_the_timeline(jumps, jump_loops):
-    from roundelay.segmentation import segment
-
-    cut = segment(jumps)
+    cut = rl.segment(jumps, n_segments=3)
     found, _ = unpacked(payload(build_page(jumps, jump_loops, segmentation=cut)))
     assert found["segments"] == [[part.start, part.stop, part.label] for part in cut.segments]
 

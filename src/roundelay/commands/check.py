@@ -15,6 +15,7 @@ from roundelay.commands.common import (
     BAD_INPUT,
     FAULTY,
     Json,
+    echo,
     in_one_line,
     input_errors,
     one_line_errors,
@@ -237,8 +238,7 @@ def _print_refused(checked: Sequence[_Checked], others: Sequence[Path]) -> None:
     """Tell which files were not read or not written, a line each, on standard error."""
     for one in checked:
         if one.error is not None:
-            typer.echo(f"roundelay: {shown(one.error)}", err=True)
+            echo(f"roundelay: {one.error}", err=True)
     for path in others:
         kind = path.suffix[1:].upper()
-        told = f"roundelay: note: {shown(path)}: not read, there is no reader of {kind}"
-        typer.echo(told, err=True)
+        echo(f"roundelay: note: {shown(path)}: not read, there is no reader of {kind}", err=True)

@@ -24,7 +24,7 @@ def find_captures(
     """List the files that a reader knows, packed or not, among files and below folders.
 
     Hidden ones are left out: what other systems keep beside each file has its suffix, too. So are
-    the loops of libraries.
+    the loops of libraries, where a folder to leave out is given.
 
     Parameters
     ----------
@@ -67,16 +67,6 @@ def find_captures(
     return {path.relative_to(root).as_posix(): path for path in sorted(found)}, faults
 
 
-def files_not_read(folder: Path) -> list[Path]:
-    """List the files below a folder that are of a format which is written but not read."""
-    suffixes = set(suffixes_of(writers)) - set(suffixes_of(readers))
-    return sorted(_below(folder, suffixes, []))
-
-
-def _is_of(path: Path, suffixes: Collection[str]) -> bool:
-    return unpacked(path).suffix.lower() in suffixes
-
-
 def _is_library(folder: Path, files: Sequence[str]) -> bool:
     """Tell whether a folder is a library, whose loops are no captures."""
     if LOG not in files:
@@ -88,13 +78,24 @@ def _is_library(folder: Path, files: Sequence[str]) -> bool:
         return False
 
 
+def files_not_read(folder: Path) -> list[Path]:
+    """List the files below a folder that are of a format which is written but not read."""
+    suffixes = set(suffixes_of(writers)) - set(suffixes_of(readers))
+    return sorted(_below(folder, suffixes, []))
+
+
+def _is_of(path: Path, suffixes: Collection[str]) -> bool:
+    return unpacked(path).suffix.lower() in suffixes
+
+
 def _below(
     top: Path, suffixes: Collection[str], faults: list[OSError], besides: Path | None = None
 ) -> list[Path]:
     found = []
     for place, folders, files in os.walk(top, onerror=faults.append):
         here = Path(place)
-        ours = LOOPS if _is_library(here, files) else ""
+        # Where a library is made, those of others are no captures.
+        ours = LOOPS if besides is not None and _is_library(here, files) else ""
         folders[:] = [
             f for f in folders if not f.startswith(".") and f != ours and here / f != besides
         ]

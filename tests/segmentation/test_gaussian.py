@@ -6,7 +6,7 @@ import pytest
 from roundelay.segmentation import gaussian
 from roundelay.segmentation.gaussian import GaussianOptions, gaussian_cuts
 from roundelay.segmentation.model import GaussianModel
-from roundelay.segmentation.moments import Moments
+from roundelay.segmentation.moments import Moments, principal_axes
 from roundelay.segmentation.thresholds import GAUSSIAN
 
 
@@ -63,6 +63,21 @@ def test_costs_of_any_frames_are_those_of_their_covariance(capture):
         covariance = np.cov(part.T, bias=True)
         assert value == pytest.approx(model.cost(float(len(part)), covariance), rel=1e-9)
     assert model.cost_between(3, stops[-1]).shape == ()
+
+
+@pytest.mark.parametrize("shape", [(50, 7), (30, 90), (900, 700)])
+def test_principal_axes_are_those_of_the_covariance(shape):
+    """With few values, few channels, and so many that only the largest are found."""
+    rng = np.random.default_rng(0)
+    spread = np.exp(-0.2 * np.arange(shape[1]))
+    values = rng.normal(size=shape) * spread @ np.linalg.qr(rng.normal(size=(shape[1],) * 2))[0]
+    variances, axes = principal_axes(values)
+    right = np.linalg.eigvalsh(np.cov(values.T, bias=True))[::-1]
+    count = min(len(variances), 25)
+    np.testing.assert_allclose(variances[:count], right[:count], rtol=1e-8, atol=1e-14)
+    np.testing.assert_allclose(axes.T @ axes, np.eye(len(variances)), atol=1e-9)
+    along = (values - values.mean(axis=0)) @ axes[:, :count]
+    np.testing.assert_allclose(along.var(axis=0), right[:count], rtol=1e-8, atol=1e-14)
 
 
 def test_moments_agree_with_numpy():

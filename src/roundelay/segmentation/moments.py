@@ -8,6 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.segmentation.thresholds import MODEL
+
 __all__ = ["Moments", "normalized", "principal_axes"]
 
 Array = NDArray[np.float64]
@@ -71,7 +73,32 @@ def _before(terms: Array) -> Array:
 
 
 def principal_axes(values: Array) -> tuple[Array, Array]:
-    """Return variances (d,), largest first, and axes (d, d) in columns, of values (n, d)."""
+    """Return variances (k,), largest first, and axes (d, k) in columns, of values (n, d).
+
+    All there are, k = d or n at most; of very many channels the largest alone, so that time
+    grows with the square of d.
+    """
     centred = values - values.mean(axis=0)
-    variances, axes = np.linalg.eigh(centred.T @ centred / len(values))
-    return np.maximum(variances[::-1], 0.0), axes[:, ::-1]
+    count, channels = centred.shape
+    if min(count, channels) > MODEL.axes:
+        centred, basis = _largest(centred)
+    elif count < channels:
+        # The same variances, and at most as many axes as there are values.
+        basis = np.linalg.qr(centred.T)[0]
+        centred = centred @ basis
+    else:
+        basis = np.eye(channels)
+    variances, axes = np.linalg.eigh(centred.T @ centred / count)
+    return np.maximum(variances[::-1], 0.0), basis @ axes[:, ::-1]
+
+
+def _largest(centred: Array) -> tuple[Array, Array]:
+    """Return values (n, k) along a basis (d, k) of the subspace in which they vary most.
+
+    By subspace iteration from a random start (Halko, Martinsson and Tropp 2011, algorithm 4.4).
+    """
+    start = np.random.default_rng(0).normal(size=(centred.shape[1], MODEL.axes))
+    basis = np.linalg.qr(start)[0]
+    for _ in range(MODEL.passes):
+        basis = np.linalg.qr(centred.T @ (centred @ basis))[0]
+    return centred @ basis, basis

@@ -33,6 +33,10 @@ class _Model(Thresholds):
     negligible: float = constant(
         0.5, unit="share of the resolution", origin="axes that vary less are left out; " + BY_EYE
     )
+    axes: int = constant(
+        400, unit="axes", origin="more than any body has: beyond, only the largest; for speed"
+    )
+    passes: int = constant(4, unit="passes", origin="find them to rounding; for speed")
     window: float = constant(
         2.0, unit="seconds", origin="in which the correlation time is measured; " + BY_EYE
     )

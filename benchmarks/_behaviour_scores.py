@@ -111,8 +111,11 @@ def _a_minute(motions: Sequence[rl.Motion], sensitivity: float) -> float:
 
 def _short(truth: Path, seconds: float) -> float:
     """Return the share of cuts between behaviours of a second or two found within .3 s."""
-    given = takes.short_joins(truth, seconds, TAKES)
-    hits = [score(rl.segment(take.motion), take.truth).at(0.3) for take in given]
+    hits = []
+    for take in takes.short_joins(truth, seconds, TAKES):
+        reach = round(0.3 * take.motion.fps)
+        wider = tuple((first - reach, last + reach) for first, last in take.truth.windows)
+        hits.append(score(rl.segment(take.motion), replace(take.truth, windows=wider)).strict)
     return round(pooled(hits).recall, 3)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from roundelay import Cycle, LoopOptions, Motion, NoPeriod, Options, TopologyOptions
-from roundelay.cycles.captured import as_captured
+from roundelay.cycles.captured import as_shown
 from roundelay.cycles.edit.separate import Mended
 from roundelay.cycles.models.regression import fit_cycle
 from roundelay.geometry import rotations as rot
@@ -50,7 +50,7 @@ def cycle_of_loop(loop: Motion, period: int) -> Cycle:
     """Return the cycle whose repeated loop this is, `period` frames a turn."""
     phase = np.arange(len(loop)) / period
     runs = [(0, len(loop))]
-    return as_captured(fit_cycle(loop.with_root_motion(), phase, runs), loop, phase, runs)
+    return as_shown(fit_cycle(loop.with_root_motion(), phase, runs), loop, phase)
 
 
 def _chosen_cycle(motion: Motion, found: Any, options: Options, number: int, index: int) -> Cycle:

@@ -15,7 +15,7 @@ from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics, heading
 from roundelay.motion.motion import Motion
 
-__all__ = ["as_captured"]
+__all__ = ["as_captured", "as_shown"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -45,16 +45,35 @@ def as_captured(cycle: Cycle, motion: Motion) -> Cycle:
         raise ValueError("expected a cycle found in a capture, with its evidence and phase")
     phase, runs = cycle.phase, cycle.evidence.runs
     start, stop = max(runs, key=lambda run: phase[run[1] - 1] - phase[run[0]])
-    shown = motion[start:stop]
+    return as_shown(cycle, motion[start:stop], phase[start:stop])
+
+
+def as_shown(cycle: Cycle, shown: Motion, phase: Array) -> Cycle:
+    """Tell a cycle the same of a motion that shows it from beginning to end.
+
+    Parameters
+    ----------
+    cycle : Cycle
+        Made from the motion with the body's motion in the root.
+    shown : Motion
+        As it is.
+    phase : (F,) ndarray
+        Of its frames, in turns, growing with time.
+
+    Returns
+    -------
+    Cycle
+        The one given where the motion's own root carried the body.
+    """
     places, turns = _trunk(shown)
-    count = _carrier(places, turns, motion.up, motion.skeleton.size)
+    count = _carrier(places, turns, shown.up, shown.skeleton.size)
     if count == 0:
         return cycle
-    lag = max(1, min(round(cycle.period * motion.fps), len(shown) - 1))
-    facing = np.unwrap(heading(rot.multiply(turns, rot.conjugate(turns[0])), motion.up), axis=0)
+    lag = max(1, min(round(cycle.period * shown.fps), len(shown) - 1))
+    facing = np.unwrap(heading(rot.multiply(turns, rot.conjugate(turns[0])), shown.up), axis=0)
     travels = _goes_along(places, lag)[:count]
     turning = _goes_along(facing[..., None], lag)[:count]
-    laid = _laid(cycle, shown[:lag], phase[start : start + lag] - np.floor(phase[start]), count)
+    laid = _laid(cycle, shown[:lag], phase[:lag] - np.floor(phase[0]), count)
     return replace(cycle, above=_steady(cycle, *laid, travels, turning))
 
 

@@ -57,6 +57,10 @@ def test_what_is_left_out_has_no_name(tmp_path):
         ("start,end,name\n-1,2,x\n", ":2: expected a behaviour within 0 and 10 s"),
         ("start,end,name\n1,soon,x\n", ":2: expected a time in seconds, found 'soon'"),
         ("start,end,name\n1,nan,x\n", ":2: expected a time in seconds, found 'nan'"),
+        (
+            "start,end,name,start_frame,end_frame\n1,2,x,60,150\n",
+            ":2: expected end_frame as the seconds beside it, 120, found 150",
+        ),
         ("start,end,name\n1\n", ":2: expected a time in seconds, found ''"),
     ],
 )

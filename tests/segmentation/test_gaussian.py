@@ -106,3 +106,8 @@ def test_correlation_time_of_a_known_process():
 def test_options_must_be_positive(option, value):
     with pytest.raises(ValueError, match=option):
         GaussianOptions(**{option: value})
+
+
+def test_sensitivity_and_a_number_do_not_go_together():
+    with pytest.raises(ValueError, match="--sensitivity or --segments"):
+        GaussianOptions(sensitivity=2.0, n_segments=3)

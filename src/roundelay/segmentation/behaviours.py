@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from roundelay.base.options import Checked, option
+from roundelay.segmentation.gaussian import GaussianOptions
 from roundelay.segmentation.method import Channels, Cuts
 from roundelay.segmentation.result import Curve
 from roundelay.segmentation.tree import CutTree
@@ -19,7 +19,7 @@ __all__ = ["BehaviourOptions", "Behaviours"]
 
 
 @dataclass(frozen=True)
-class BehaviourOptions(Checked):
+class BehaviourOptions(GaussianOptions):
     """Choices of the default method; none needs to be made.
 
     Parameters
@@ -42,21 +42,6 @@ class BehaviourOptions(Checked):
     """
 
     title: ClassVar[str] = "Cuts by what explains the frames (behaviours)"
-
-    sensitivity: float = option(1.0, "2 finds finer behaviours, 0.5 coarser ones.", above=0)
-    n_segments: int | None = option(None, "Make exactly so many.", least=1, flag="segments")
-    resolution: float | None = option(
-        None, "Standard deviation of poses that is too small to matter.", unit="radians", above=0
-    )
-    shortest: float = option(1.0, "A behaviour lasts at least so long.", unit="seconds", above=0)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.n_segments is not None and self.sensitivity != 1.0:
-            raise ValueError(
-                "expected --sensitivity or --segments (in Python: sensitivity or n_segments), "
-                f"found both, {self.sensitivity:g} and {self.n_segments}"
-            )
 
 
 class Behaviours:

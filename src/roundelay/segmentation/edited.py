@@ -23,6 +23,7 @@ __all__ = ["Edited", "edited_segments", "tab_separated"]
 
 _START = ("start", "begin", "begin time", "start (s)", "begin time - ss.msec", "onset")
 _STOP = ("end", "stop", "end time", "stop (s)", "end time - ss.msec", "offset")
+_FRAMES = ("start_frame", "end_frame")
 _NAME = ("name", "behavior", "behaviour", "annotation", "value", "label")
 
 
@@ -124,7 +125,23 @@ def _rows(path: Path, n_frames: int, fps: float) -> Iterator[_Row]:
                 path=path,
                 line=line,
             )
-        yield _Row(line, first, last, cells[columns[2]].strip())
+        _check_frames(table[0], cells, (first, last), path, line)
+        yield _Row(line, first, last, cells[columns[2]])
+
+
+def _check_frames(
+    heading: Sequence[str], cells: Sequence[str], found: tuple[int, int], path: Path, line: int
+) -> None:
+    """Refuse frames that were edited where the seconds beside them were not, or the reverse."""
+    for name, frame in zip(_FRAMES, found, strict=True):
+        told = cells[heading.index(name)] if name in heading[: len(cells)] else ""
+        if told and not (_number(told) and abs(float(told) - frame) <= 1.0):
+            raise FormatError(
+                f"expected {name} as the seconds beside it, {frame}, found {told}; change both, or "
+                "leave the columns of frames out",
+                path=path,
+                line=line,
+            )
 
 
 def _table(path: Path) -> list[list[str]]:
@@ -146,7 +163,7 @@ def _columns(heading: Sequence[str], path: Path) -> tuple[int, int, int]:
     """Return which columns hold starts, ends and names."""
     if heading and _number(heading[0]):
         return 0, 1, 2
-    names = [cell.lower() for cell in heading]
+    names = [text.lower() for text in heading]
     found = [
         next((names.index(word) for word in words if word in names), None)
         for words in (_START, _STOP, _NAME)
@@ -162,17 +179,17 @@ def _columns(heading: Sequence[str], path: Path) -> tuple[int, int, int]:
     return start, stop, name
 
 
-def _number(cell: str) -> bool:
+def _number(text: str) -> bool:
     try:
-        return bool(np.isfinite(float(cell)))
+        return bool(np.isfinite(float(text)))
     except ValueError:
         return False
 
 
-def _time(cell: str, path: Path, line: int) -> float:
-    if not _number(cell):
-        raise FormatError(f"expected a time in seconds, found {cell!r}", path=path, line=line)
-    return float(cell)
+def _time(text: str, path: Path, line: int) -> float:
+    if not _number(text):
+        raise FormatError(f"expected a time in seconds, found {text!r}", path=path, line=line)
+    return float(text)
 
 
 def _filled(rows: Sequence[_Row], n_frames: int) -> Iterator[Segment]:

@@ -1,4 +1,4 @@
-"""The default method: piecewise Gaussian, by penalised likelihood, with no parameter to set.
+"""What the default method proposes: piecewise Gaussian, by penalised likelihood.
 
 A behaviour is a Gaussian cloud of poses, as for the probabilistic PCA of [B] 3.2, but all cuts
 are found together, as those that minimise
@@ -51,6 +51,11 @@ class GaussianOptions(Checked):
         for bare channels in their unit, by default .15 of the total standard deviation.
     shortest : float
         Seconds a behaviour lasts at least.
+
+    Raises
+    ------
+    ValueError
+        If an option is out of range, or both a sensitivity and a number are given.
     """
 
     title: ClassVar[str] = "Cuts by change of posture (gaussian)"
@@ -61,6 +66,14 @@ class GaussianOptions(Checked):
         None, "Standard deviation of poses that is too small to matter.", unit="radians", above=0
     )
     shortest: float = option(1.0, "A behaviour lasts at least so long.", unit="seconds", above=0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.n_segments is not None and self.sensitivity != 1.0:
+            raise ValueError(
+                "expected --sensitivity or --segments (in Python: sensitivity or n_segments), "
+                f"found both, {self.sensitivity:g} and {self.n_segments}"
+            )
 
 
 def gaussian_cuts(model: GaussianModel, options: GaussianOptions) -> list[int]:

@@ -153,6 +153,12 @@ class _Tree(Thresholds):
         origin="asked of a proposal; "
         "less cuts [B]'s captures too finely, more loses cuts of Bandai-Namco and HDM05",
     )
+    steep: float = constant(
+        4.0,
+        unit="power of the evidence",
+        origin="odds of cuts finer than the proposals; .2 and .03 at .7 and .35 of the evidence on "
+        "joined clips of LAFAN1",
+    )
     levels: int = constant(
         10, unit="halvings of the evidence", origin="a thousandth of it: all there is to be found"
     )

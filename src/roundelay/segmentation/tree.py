@@ -58,7 +58,7 @@ class CutTree:
 
     def above(self, height: float) -> dict[int, float]:
         """Return the cuts, thinned frames that grow, at least so high, with their heights."""
-        levels = int(np.ceil(max(0.0, -height) / np.log(2.0)))
+        levels = int(np.ceil(max(0.0, -height) / (TREE.steep * np.log(2.0))))
         found = self._down_to(min(levels, TREE.levels))
         return {cut: found[cut] for cut in sorted(found) if found[cut] >= height}
 
@@ -68,7 +68,7 @@ class CutTree:
         for level in range(TREE.levels + 1):
             found = self._down_to(level)
             # What lies deeper is lower than all cuts of this level, but not than all proposals.
-            lowest = -level * np.log(2.0)
+            lowest = -level * TREE.steep * np.log(2.0)
             if sum(height >= lowest for height in found.values()) >= count:
                 break
         kept = sorted(found, key=lambda cut: -found[cut])[:count]
@@ -127,7 +127,7 @@ class CutTree:
         return found
 
     def _within(self, bounds: tuple[int, int], level: int) -> dict[int, float]:
-        """Return the finer cuts of one segment; a height says for what evidence it is found."""
+        """Return the finer cuts of one segment; their odds fall with their evidence."""
         if bounds[1] - bounds[0] < 2.0 * self.shortest * self.model.fps:
             return {}
         cuts = search(self.model, self.shortest, 0.5**level, bounds)
@@ -136,7 +136,7 @@ class CutTree:
             return {}
         around = np.array([bounds[0], *cuts, bounds[1]])
         evidence = self.model.evidence(around[:-2], around[1:-1], around[2:])
-        worth = np.log(np.clip(evidence, 0.5**level, 0.5 ** (level - 1)))
+        worth = TREE.steep * np.log(np.clip(evidence, 0.5**level, 0.5 ** (level - 1)))
         return dict(zip(cuts, worth.tolist(), strict=True))
 
 

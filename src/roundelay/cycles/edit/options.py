@@ -23,8 +23,6 @@ class AlignOptions(Checked):
         Exchange left and right of a cycle where that fits better.
     """
 
-    title: ClassVar[str] = "How cycles are aligned"
-
     by: Criterion = option(
         "poses", "What agrees at equal phases: poses, or contacts of the feet.", flag="align"
     )

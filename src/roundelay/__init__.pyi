@@ -24,6 +24,7 @@ from roundelay.cycles.edit.blend import CycleSpace as CycleSpace
 from roundelay.cycles.edit.blend import blend as blend
 from roundelay.cycles.edit.blend import transition as transition
 from roundelay.formats import read as read
+from roundelay.formats import read_points as read_points
 from roundelay.formats import write as write
 from roundelay.geometry.skeleton import Skeleton as Skeleton
 from roundelay.library import Library as Library
@@ -36,6 +37,7 @@ from roundelay.loops.recipe import Loop as Loop
 from roundelay.motion.features import point_cloud as point_cloud
 from roundelay.motion.motion import Motion as Motion
 from roundelay.motion.motion import concatenate as concatenate
+from roundelay.motion.points import Points as Points
 from roundelay.motion.poses import PoseArray as PoseArray
 from roundelay.motion.poses import Poses as Poses
 from roundelay.pipeline import find_cycles as find_cycles

@@ -31,7 +31,9 @@ from roundelay.cycles.models import cycle_models
 from roundelay.loops.options import LoopOptions
 from roundelay.loops.recipe import Loop, made_loop, numbered
 from roundelay.motion.budget import require_budget
+from roundelay.motion.floating import as_motion
 from roundelay.motion.motion import Motion
+from roundelay.motion.points import Points
 from roundelay.motion.poses import Poses
 from roundelay.phase.tempo import time_phase
 from roundelay.segmentation.cutting import segment as cut_by_posture
@@ -57,7 +59,7 @@ __all__ = [
 
 @one_thread
 def find_cycles(
-    motion: Motion,
+    motion: Motion | Points,
     options: Options | None = None,
     *,
     timeline: Timeline | None = None,
@@ -67,7 +69,7 @@ def find_cycles(
 
     Parameters
     ----------
-    motion : Motion
+    motion : Motion or Points
     options : Options, optional
         Automatic by default.
     timeline : Timeline, optional
@@ -97,7 +99,7 @@ def find_cycles(
         If `progress` returned False.
     """
     options = chosen(Options, options)
-    capture = expected(Motion, motion)
+    capture = as_motion(motion)
     require_budget(capture, options.span(len(capture)))
     motion = capture.with_root_motion()
     search, found = find_evidence(capture, options, progress, timeline)
@@ -116,7 +118,7 @@ def find_cycles(
 
 @one_thread
 def make_loops(
-    motion: Motion,
+    motion: Motion | Points,
     search: Options | None = None,
     render: LoopOptions | None = None,
     *,
@@ -127,7 +129,7 @@ def make_loops(
 
     Parameters
     ----------
-    motion : Motion
+    motion : Motion or Points
         The capture.
     search : Options, optional
         What is looked for; automatic by default.
@@ -160,18 +162,20 @@ def make_loops(
     Cancelled
         If `progress` returned False.
     """
-    render = chosen(LoopOptions, render)
+    render, motion = chosen(LoopOptions, render), as_motion(motion)
     cycles = find_cycles(motion, search, timeline=timeline, progress=progress)
     return [made_loop(cycle, motion, render) for cycle in numbered(cycles)]
 
 
 @one_thread
-def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = None) -> Cycle:
+def make_cycle(
+    motion: Motion | Points, evidence: Evidence, options: Options | None = None
+) -> Cycle:
     """Make the cycle of what `find_periodic` or `roundelay.timeline.inspection.inspect` found.
 
     Parameters
     ----------
-    motion : Motion
+    motion : Motion or Points
     evidence : Evidence
     options : Options, optional
         Automatic by default.
@@ -184,7 +188,7 @@ def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = Non
         If an option is out of range.
     """
     options = chosen(Options, options)
-    capture = expected(Motion, motion)
+    capture = as_motion(motion)
     motion = capture.with_root_motion()
     phase = _phase(Search.of_take(motion, options), expected(Evidence, evidence))
     return _fitted(capture, motion, phase, evidence, options)
@@ -192,14 +196,17 @@ def make_cycle(motion: Motion, evidence: Evidence, options: Options | None = Non
 
 @one_thread
 def find_periodic(
-    take: Motion | Poses, options: Options | None = None, *, progress: Progress | None = None
+    take: Motion | Points | Poses,
+    options: Options | None = None,
+    *,
+    progress: Progress | None = None,
 ) -> list[Evidence]:
     """Find the periodic motions of a take without making cycles; see `find_cycles`.
 
     Parameters
     ----------
-    take : Motion or Poses
-        A motion, or whatever has the attributes of `roundelay.motion.poses.Poses`: markers,
+    take : Motion, Points or Poses
+        A motion, points, or whatever has the attributes of `roundelay.motion.poses.Poses`: markers,
         keypoints, features. `Options.features` and `Options.weights` are for motions alone.
     options : Options, optional
         Automatic by default.
@@ -212,20 +219,24 @@ def find_periodic(
         The one most often and most surely repeated first.
     """
     options = chosen(Options, options)
+    take = as_motion(take) if isinstance(take, Points) else take
     _require_budget(take, options)
     return find_evidence(take, options, progress)[1]
 
 
 @one_thread
 def understand(
-    take: Motion | Poses, options: Options | None = None, *, progress: Progress | None = None
+    take: Motion | Points | Poses,
+    options: Options | None = None,
+    *,
+    progress: Progress | None = None,
 ) -> Timeline:
     """Tell what repeats in a take, limb by limb, and how sure that is.
 
     Parameters
     ----------
-    take : Motion or Poses
-        A motion, or whatever has the attributes of `roundelay.motion.poses.Poses`.
+    take : Motion, Points or Poses
+        A motion, points, or whatever has the attributes of `roundelay.motion.poses.Poses`.
     options : Options, optional
         The frames and joints to look at, and who proposes; all by default.
     progress : callable, optional
@@ -251,6 +262,7 @@ def understand(
         If `progress` returned False.
     """
     options = chosen(Options, options)
+    take = as_motion(take) if isinstance(take, Points) else take
     _require_budget(take, options)
     return timeline_of(take, options, progress)
 
@@ -290,7 +302,7 @@ def _fitted(
 
 @one_thread
 def segment(
-    motion: Motion,
+    motion: Motion | Points,
     *,
     method: str | Any = "behaviours",
     sensitivity: float = 1.0,
@@ -306,7 +318,7 @@ def segment(
 
     Parameters
     ----------
-    motion : Motion
+    motion : Motion or Points
     method : str or options
         ``behaviours`` (the default, needs nothing); ``gaussian``, what it proposes by itself;
         ``pca``, ``ppca`` or ``gmm`` of [B]; ``ppca-paper`` and ``gmm-paper`` with all of the
@@ -345,7 +357,7 @@ def segment(
     Cancelled
         If `progress` returned False.
     """
-    motion = expected(Motion, motion)
+    motion = as_motion(motion)
     joints = None if joints is None else tuple(joints)
     if timeline is None and len(motion) >= SEARCH.fewest:
         timeline = timeline_of(motion, Options(joints=joints), progress)

@@ -74,7 +74,8 @@ def as_sequence(value: Any, what: str) -> Sequence[Any]:
     TypeError
         If it has not: what was expected, and what was found.
     """
-    if isinstance(value, str | bytes) or not isinstance(value, Sequence | np.ndarray):
+    is_one = isinstance(value, str | bytes) or (isinstance(value, np.ndarray) and not value.ndim)
+    if is_one or not isinstance(value, Sequence | np.ndarray):
         raise TypeError(f"expected a sequence of {what}, found {type(value).__name__}")
     return value  # type: ignore[return-value]
 

@@ -13,7 +13,8 @@
     └── Cancelled          the caller's progress callback said stop
 
 ``RoundelayWarning`` is the category of warnings: the input is used, but not all as it is.
-``RateAssumed`` is the one of them for files that tell no frame rate.
+``RateAssumed`` is the one of them for files that tell no frame rate, ``GapsFilled`` that for what
+was not seen of a take.
 
 Wrong arguments (a negative frame rate, an unknown option) raise ``ValueError`` or
 ``TypeError`` as everywhere in Python.
@@ -27,6 +28,7 @@ from typing import Any
 __all__ = [
     "Cancelled",
     "FormatError",
+    "GapsFilled",
     "LiftError",
     "Locked",
     "NoPeriod",
@@ -75,6 +77,10 @@ class FormatError(RoundelayError):
 
 class RateAssumed(RoundelayWarning):
     """Say that a file tells no frame rate, and which is assumed."""
+
+
+class GapsFilled(RoundelayWarning):
+    """Say what was not seen of a take, and how that was filled."""
 
 
 class SkeletonMismatch(RoundelayError):

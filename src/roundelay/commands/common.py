@@ -174,7 +174,14 @@ def read_capture(path: Path, skeleton: Path | None, reading: ReadOptions) -> Mot
     """Read a capture with the skeleton it needs."""
     from roundelay.formats import read
 
-    return read(path, skeleton=skeleton, fps=reading.capture_fps, suffix=reading.suffix)
+    return read(
+        path,
+        skeleton=skeleton,
+        fps=reading.capture_fps,
+        suffix=reading.suffix,
+        fill_gaps=reading.fill_gaps,
+        max_gap=reading.max_gap,
+    )
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,9 @@ from roundelay.base.checks import as_path, expected
 from roundelay.base.errors import FormatError, RateAssumed, TooShort
 from roundelay.base.files import STANDARD_INPUT, name_of, unpacked
 from roundelay.base.texts import shown
+from roundelay.formats.points import motion_in_file
 from roundelay.formats.registry import (
+    PointsReader,
     Reader,
     SkeletonReader,
     Writer,
@@ -34,9 +36,12 @@ from roundelay.formats.registry import (
 from roundelay.formats.sane import fault_of
 from roundelay.geometry.kinematics import vertical_axis
 from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.floating import points_of_motion
 from roundelay.motion.motion import Motion, checked_rate
+from roundelay.motion.points import Points
 
 __all__ = [
+    "PointsReader",
     "Reader",
     "SkeletonReader",
     "Writer",
@@ -46,6 +51,7 @@ __all__ = [
     "files_written",
     "in_words",
     "read",
+    "read_points",
     "readers",
     "suffixes_of",
     "wraps_at_last_key",
@@ -61,6 +67,8 @@ def read(
     skeleton: str | PathLike[str] | Skeleton | None = None,
     fps: float | None = None,
     suffix: str | None = None,
+    fill_gaps: bool = True,
+    max_gap: float | None = None,
 ) -> Motion:
     """Read a motion capture file, in the format its suffix names.
 
@@ -75,11 +83,16 @@ def read(
         Frames a second, where the file tells none or a wrong number.
     suffix : str, optional
         The format, such as "bvh", where the name does not tell it.
+    fill_gaps : bool
+        Whether gaps of points are filled as the rest of the body tells; else by straight lines.
+    max_gap : float, optional
+        Longest gap in seconds that is filled so; all that can be predicted by default.
 
     Returns
     -------
     Motion
-        Lengths in the file's unit.
+        Lengths in the file's unit. Of markers and keypoints its skeleton is free: see
+        `roundelay.motion.floating`.
 
     Raises
     ------
@@ -87,7 +100,7 @@ def read(
         If the file is of no known format, or not what its format says, with line and column.
     ValueError
         If a skeleton is given for a file that holds its own, or the rate is not positive, or
-        beyond 10,000.
+        beyond 10,000, or the longest gap is negative.
     OSError
         If the file cannot be read.
     """
@@ -95,16 +108,49 @@ def read(
     reader = reader_of(path, suffix)
     rate = None if fps is None else checked_rate(fps)
     with _rate_known(rate is not None):
-        motion = _read(reader, path, skeleton)
+        if isinstance(reader, PointsReader) and skeleton is None:
+            points = reader.read_points(path)
+            motion = motion_in_file(points, path, fill=fill_gaps, max_gap=max_gap)
+        else:
+            motion = _read(reader, path, skeleton)
     if rate is not None:
         motion = replace(motion, frame_time=1.0 / rate)
     fault = fault_of(motion)
     if fault is not None:
         raise FormatError(fault, path=path)
-    motion = _upright(motion)
+    if not motion.skeleton.free:
+        motion = _upright(motion)
     if path == STANDARD_INPUT or unpacked(path) != path:
         motion = replace(motion, name=name_of(path))
     return motion
+
+
+def read_points(path: str | PathLike[str], *, suffix: str | None = None) -> Points:
+    """Read markers or keypoints as they are, gaps and all; of other captures, the joints.
+
+    Parameters
+    ----------
+    path : path-like
+    suffix : str, optional
+        The format, such as "trc", where the name does not tell it.
+
+    Returns
+    -------
+    Points
+        In the file's unit.
+
+    Raises
+    ------
+    FormatError
+        If the file is of no known format, or not what its format says, with line and column.
+    OSError
+        If the file cannot be read.
+    """
+    path = as_path(path)
+    reader = reader_of(path, suffix)
+    if isinstance(reader, PointsReader):
+        return reader.read_points(path)
+    return points_of_motion(read(path, suffix=suffix))
 
 
 @contextmanager

@@ -21,6 +21,10 @@ class ReadOptions(Checked):
         Its frames a second; what its file says by default.
     suffix : str, optional
         Its format, by a suffix without the dot; that of its name by default.
+    fill_gaps : bool
+        Whether gaps of points are filled as the rest of the body tells.
+    max_gap : float, optional
+        Longest gap that is filled so, in seconds; all that can be predicted by default.
     """
 
     title: ClassVar[str] = "What is said of a capture"
@@ -37,4 +41,13 @@ class ReadOptions(Checked):
         "Format of the capture, where its name does not tell: {readers}.",
         flag="as",
         form="FORMAT",
+    )
+    fill_gaps: bool = option(
+        True, "Fill gaps of markers and keypoints as the rest of the body tells."
+    )
+    max_gap: float | None = option(
+        None,
+        "Longest gap to fill; all that can be predicted by default.",
+        unit="seconds",
+        least=0,
     )

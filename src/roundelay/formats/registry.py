@@ -23,8 +23,10 @@ from roundelay.formats.gltf import GltfWriter
 from roundelay.formats.gltf_reader import GltfReader
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
+from roundelay.motion.points import Points
 
 __all__ = [
+    "PointsReader",
     "Reader",
     "SkeletonReader",
     "Suffixed",
@@ -103,6 +105,23 @@ class SkeletonReader(Reader, Protocol):
         ------
         FormatError
             If there is none.
+        """
+        ...
+
+
+@runtime_checkable
+class PointsReader(Reader, Protocol):
+    """Read the files of a format that holds points: markers or keypoints, with gaps."""
+
+    def read_points(self, path: Path) -> Points:
+        """Read the points of a file.
+
+        Raises
+        ------
+        FormatError
+            If the file is not what its format says.
+        OSError
+            If it cannot be read.
         """
         ...
 

@@ -185,8 +185,10 @@ def _bones(skeleton: Skeleton) -> list[int]:
     """Return the joints at the lower ends of bones that are long enough.
 
     What lies between the root and the body's first branching is no bone: some files put the
-    root on the ground.
+    root on the ground. Lines between free points are none either.
     """
+    if skeleton.free:
+        return []
     lengths = np.linalg.norm(skeleton.offsets, axis=1)
     least = COLLISION.shortest * skeleton.size
     first = next((j for j in range(skeleton.n_joints) if skeleton.parents.count(j) > 1), 0)

@@ -33,6 +33,9 @@ class Skeleton:
     layout : object, optional
         How the file it was read from writes this skeleton (channel orders, axes); used by
         that format's writer only.
+    free : bool
+        Whether the joints are points that move freely against each other: markers or keypoints.
+        The root is then the frame of the trunk and no point, and bones are lines to draw.
 
     Raises
     ------
@@ -45,6 +48,7 @@ class Skeleton:
     offsets: NDArray[np.float64]
     end_sites: tuple[tuple[int, NDArray[np.float64]], ...] = ()
     layout: Any = field(default=None, repr=False)
+    free: bool = False
 
     def __post_init__(self) -> None:
         offsets = np.array(as_numbers(self.offsets, "offsets (J, 3)"), float)

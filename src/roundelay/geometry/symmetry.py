@@ -117,12 +117,15 @@ def other_side(name: str, names: Container[str]) -> str | None:
     ----------
     name : str
     names : container of str
-        Of all joints. The prefixes of Acclaim skeletons are sides only where there is a partner.
+        Of all joints. The glued prefixes of Acclaim skeletons (lfemur) and of markers (LTHI) are
+        sides only where there is a partner.
     """
     for pattern in (_WORD, _LETTER):
         if pattern.search(name):
             return pattern.sub(lambda match: _swapped(match.group()), name)
-    glued = _OTHER[name[0]] + name[1:] if name[0] in "lr" else ""
+    at = name.rfind(":") + 1
+    first = name[at : at + 1]
+    glued = name[:at] + _swapped(first) + name[at + 1 :] if first in tuple("lrLR") else ""
     return glued if glued in names else None
 
 

@@ -14,6 +14,7 @@ from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.models.constrained import finite_differences
 from roundelay.geometry import rotations as rot
 from roundelay.loops.thresholds import FIT
+from roundelay.motion.features import joint_turns
 from roundelay.motion.motion import Motion
 
 __all__ = ["Laid", "lay", "npss", "rmse"]
@@ -49,8 +50,8 @@ def lay(cycle: Cycle, motion: Motion, run: Span) -> Laid:
     Best means the least sum over frames of distances ([C] eq. 4.4, with angles of rotation for
     differences of Euler angles).
     """
-    capture = motion.rotations[slice(*run), 1:]
-    grid = cycle.rotations(np.arange(FIT.phases) / FIT.phases)[:, 1:]
+    capture = joint_turns(motion[slice(*run)])[:, 1:]
+    grid = _turns(cycle, np.arange(FIT.phases) / FIT.phases)
     steps = np.arange(len(capture)) / (cycle.period * motion.fps)
     shown = np.linspace(0, len(capture) - 1, min(len(capture), FIT.frames)).astype(np.intp)
     squares = np.zeros((len(shown), FIT.phases))
@@ -61,7 +62,14 @@ def lay(cycle: Cycle, motion: Motion, run: Span) -> Laid:
     nearest = np.round(steps[shown] * FIT.phases).astype(np.intp)
     sums = [distance[rows, (nearest + shift) % FIT.phases].sum() for shift in range(FIT.phases)]
     phase = steps + int(np.argmin(sums)) / FIT.phases
-    return Laid(phase, capture, cycle.rotations(phase)[:, 1:])
+    return Laid(phase, capture, _turns(cycle, phase))
+
+
+def _turns(cycle: Cycle, phase: Array) -> Array:
+    """Return how far the joints but the root are turned, (n, J - 1, 4), at phases (n,)."""
+    if not cycle.skeleton.free:
+        return cycle.rotations(phase)[:, 1:]
+    return joint_turns(cycle.at(phase, frame_time=1.0 / cycle.fps))[:, 1:]
 
 
 def rmse(laid: Sequence[Laid], fps: float) -> tuple[float, float, float]:

@@ -16,7 +16,7 @@ from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import find_feet, skate
 from roundelay.loops.fit import Laid, lay, npss, rmse
 from roundelay.loops.thresholds import QUALITY
-from roundelay.motion.features import point_cloud
+from roundelay.motion.features import joint_turns, point_cloud
 from roundelay.motion.feet import touching
 from roundelay.motion.motion import Motion
 
@@ -113,7 +113,8 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
         raise ValueError("expected a cycle found in a capture, with its evidence")
     motion, runs = motion.with_root_motion(), cycle.evidence.runs
     loop = cycle.sample().with_root_motion()
-    turned = np.degrees(rot.angle_between(loop.rotations, np.roll(loop.rotations, 1, axis=0)))
+    turns = joint_turns(loop)
+    turned = np.degrees(rot.angle_between(turns, np.roll(turns, 1, axis=0)))
     # The root may travel on after the seam: joints are compared without it.
     steps = turned[:, 1:].max(axis=1) if turned.shape[1] > 1 else turned.max(axis=1)
     places, source = point_cloud(loop), point_cloud(motion)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.checks import as_numbers, expected
 from roundelay.base.errors import SkeletonMismatch
-from roundelay.base.numeric import TINY
+from roundelay.base.numeric import SMALLEST, TINY
 from roundelay.base.threads import one_thread
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.contacts import find_feet, free_limbs
@@ -24,7 +24,14 @@ from roundelay.geometry.kinematics import forward_kinematics, heading
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Mask
 
-__all__ = ["Features", "MotionPoses", "Weights", "first_differences", "point_cloud"]
+__all__ = [
+    "Features",
+    "MotionPoses",
+    "Weights",
+    "first_differences",
+    "joint_turns",
+    "point_cloud",
+]
 
 Array = NDArray[np.float64]
 Features = Literal["positions", "heading", "quaternions", "angles"]
@@ -176,6 +183,24 @@ _JOINT_FEATURES = {
     "quaternions": lambda motion: motion.rotations,
     "angles": _angles,
 }
+
+
+def joint_turns(motion: Motion) -> Array:
+    """Return how far the joints are turned (F, J, 4): their local rotations.
+
+    Of a free skeleton these say nothing: its lines' own are returned, each the smallest turn from
+    where the line points at rest.
+    """
+    moved = motion.translations
+    if not motion.skeleton.free or moved is None:
+        return motion.rotations
+    rest = np.broadcast_to(motion.skeleton.offsets, moved.shape)
+    axis, cosine = np.cross(rest, moved), np.sum(rest * moved, axis=-1)
+    sine = np.linalg.norm(axis, axis=-1)
+    angle = np.arctan2(sine, cosine)
+    turns = rot.from_rotation_vector(axis * (angle / np.maximum(sine, SMALLEST))[..., None])
+    turns[:, 0] = motion.rotations[:, 0]
+    return rot.continuous(turns)
 
 
 def first_differences(motion: Motion) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,6 +51,8 @@ class Motion:
         A name for people: by default the file's.
     up : {0, 1, 2}
         The axis that points up; Y (1) unless the file's poses say otherwise.
+    missing : (F, J) array_like of bool, optional
+        Joints that were not seen and could not be told from the rest; None if all were.
 
     Raises
     ------
@@ -64,6 +67,7 @@ class Motion:
     translations: Array | None = None
     name: str = ""
     up: int = 1
+    missing: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         joints = expected(Skeleton, self.skeleton).n_joints
@@ -80,6 +84,12 @@ class Motion:
             moved = np.asarray(as_numbers(self.translations, "translations"), float)
             _check_shape("translations", moved, (frames, joints, 3))
             object.__setattr__(self, "translations", _frozen(_own(moved)))
+        if self.missing is not None:
+            missing = np.array(self.missing, bool)
+            if missing.shape != (frames, joints):
+                told = f"({frames}, {joints}), found {missing.shape}"
+                raise ValueError(f"expected missing of shape {told}")
+            object.__setattr__(self, "missing", _frozen(missing) if missing.any() else None)
 
     def __len__(self) -> int:
         return len(self.root_path)
@@ -93,6 +103,13 @@ class Motion:
         if not isinstance(frames, slice) or frames.step not in (None, 1):
             raise TypeError("expected a slice of frames without step, motion[start:stop]")
         return self._with_frames(frames)
+
+    @property
+    def shown(self) -> NDArray[np.bool_]:
+        """Frames (F,) in which at least half of the joints are known."""
+        if self.missing is None:
+            return np.ones(len(self), bool)
+        return np.asarray(self.missing.mean(axis=1) <= 0.5)
 
     @property
     def n_frames(self) -> int:
@@ -148,6 +165,7 @@ class Motion:
             rotations=rot.slerp(self.rotations[before], self.rotations[after], part[:, None]),
             root_path=_lerp(self.root_path, before, after, part),
             translations=None if moved is None else _lerp(moved, before, after, part),
+            missing=None if self.missing is None else self.missing[before] | self.missing[after],
         )
 
     def select(self, joints: Iterable[str]) -> Motion:
@@ -178,9 +196,10 @@ class Motion:
         names = tuple(self.skeleton.names[joint] for joint in keep)
         return replace(
             self,
-            skeleton=Skeleton(names, tuple(parents), mean, ends),
+            skeleton=Skeleton(names, tuple(parents), mean, ends, free=self.skeleton.free),
             rotations=local,
             translations=None if direct and self.translations is None else offsets,
+            missing=None if self.missing is None else self.missing[:, keep],
         )
 
     def _kept_ancestor(self, joint: int, keep: list[int]) -> int:
@@ -269,6 +288,7 @@ class Motion:
             rotations=reflected_rotations(self.rotations, other, across, sideways),
             root_path=self.root_path * reflection(sideways),
             translations=None if moved is None else moved[:, other] * reflection(across),
+            missing=None if self.missing is None else self.missing[:, other],
         )
 
     def _with_frames(self, frames: slice) -> Motion:
@@ -278,6 +298,7 @@ class Motion:
             rotations=self.rotations[frames],
             root_path=self.root_path[frames],
             translations=None if moved is None else moved[frames],
+            missing=None if self.missing is None else self.missing[frames],
         )
 
 
@@ -302,12 +323,22 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
     moved = None
     if any(m.translations is not None for m in motions):
         moved = np.concatenate([_translations(m) for m in motions])
+    missing = None
+    if any(m.missing is not None for m in motions):
+        missing = np.concatenate([_missing(m) for m in motions])
     return replace(
         first,
         rotations=np.concatenate([m.rotations for m in motions]),
         root_path=np.concatenate([m.root_path for m in motions]),
         translations=moved,
+        missing=missing,
     )
+
+
+def _missing(motion: Motion) -> NDArray[np.bool_]:
+    if motion.missing is not None:
+        return motion.missing
+    return np.zeros(motion.rotations.shape[:2], bool)
 
 
 def _translations(motion: Motion) -> Array:
@@ -372,6 +403,6 @@ def _is_frozen(array: Array) -> bool:
     return seen is None
 
 
-def _frozen(array: Array) -> Array:
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
     array.flags.writeable = False
     return array

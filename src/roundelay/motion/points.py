@@ -39,8 +39,10 @@ class Points:
         How sure a detector is of a keypoint, from 0 to 1.
     units : str
         Of length, such as "mm", "m" or "px"; empty where nobody told.
-    links : sequence of (int, int)
+    links : iterable of (int, int)
         Pairs of points to draw lines between; those of a known set, or none, by default.
+    up : {0, 1, 2}, optional
+        The axis that points up; found from the points by default.
     image : bool
         Whether the second coordinate grows downward, as in pictures.
     name : str
@@ -62,6 +64,7 @@ class Points:
     likelihoods: Array | None = field(default=None, repr=False)
     units: str = ""
     links: tuple[tuple[int, int], ...] = field(default=(), repr=False)
+    up: int | None = None
     image: bool = False
     name: str = ""
     layout: Any = field(default=None, repr=False)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from roundelay.base.errors import SkeletonMismatch
 from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
 
 __all__ = ["STANDARD_JOINTS", "corresponding_joints", "joint_quaternions"]
@@ -45,6 +46,8 @@ _EXTRAS = re.compile(r"end|nub|twist|roll|finger|thumb|index|eye|jaw|top|site|ik
 def joint_quaternions(motion: Motion, joints: Iterable[str] | None = None) -> NDArray[np.float64]:
     """Return the poses as points: one quaternion a joint, as four coordinates ([B] 3.1).
 
+    Of markers and keypoints, which have none, their places relative to the trunk, in body sizes.
+
     Parameters
     ----------
     motion : Motion
@@ -54,7 +57,7 @@ def joint_quaternions(motion: Motion, joints: Iterable[str] | None = None) -> ND
     Returns
     -------
     (F, 4 k) ndarray
-        Signs continuous in time; 56 columns with the standard joints.
+        Signs continuous in time; 56 columns with the standard joints. Of a free skeleton (F, 3 k).
 
     Raises
     ------
@@ -67,6 +70,8 @@ def joint_quaternions(motion: Motion, joints: Iterable[str] | None = None) -> ND
     if not names:
         raise ValueError("expected at least one joint, found none")
     chosen = motion.skeleton.indices(names)
+    if motion.skeleton.free:
+        return point_cloud(motion, joints=chosen)
     return motion.rotations[:, chosen].reshape(len(motion), 4 * len(chosen))
 
 

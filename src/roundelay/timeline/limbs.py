@@ -18,6 +18,7 @@ from roundelay.base.spans import Span
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics, heading
 from roundelay.geometry.skeleton import Skeleton
+from roundelay.geometry.symmetry import is_left, other_side
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses, bridged, point_indices, principal_components
 from roundelay.timeline.thresholds import LIMBS, PREDICTION, SEARCH
@@ -178,7 +179,7 @@ def body_of(
     step = max(1, round(take.fps / LIMBS.rate))
     view = _Joints(take, span, step) if isinstance(take, Motion) else _Points(take)
     chosen = set(range(len(view.names)) if joints is None else view.indices(joints))
-    first, stop = _without_neutral_ends(view, span or (0, view.count), step)
+    first, stop = _without_neutral_ends(view, _shown(take, span or (0, view.count)), step)
     inside, seen = view.at(slice(first, stop, step))
     limbs, signals, at = [], [], 0
     for name, kind, members in view.limbs():
@@ -192,6 +193,14 @@ def body_of(
     return Body(
         tuple(limbs), stacked, seen, take.fps / step, (first, stop), step, view.names, view.count
     )
+
+
+def _shown(take: Motion | Poses, span: Span) -> Span:
+    """Return a span from the first to the last frame in which the body was seen."""
+    if not isinstance(take, Motion) or take.missing is None:
+        return span
+    frames = np.flatnonzero(take.shown[slice(*span)])
+    return (span[0] + int(frames[0]), span[0] + int(frames[-1]) + 1) if len(frames) else span
 
 
 class _Joints:
@@ -379,8 +388,7 @@ def _named(tree: _Tree, low: Array, skeleton: Skeleton) -> list[tuple[str, str, 
             trunk += chain
             continue
         kind = "leg" if low[chain[-2:]].min() < LIMBS.low else "arm"
-        names = " ".join(skeleton.names[joint] for joint in chain).lower()
-        sides = [side for side in ("left", "right") if side in names]
+        sides = _sides([skeleton.names[joint] for joint in chain], skeleton.names)
         found.append((f"{sides[0]} {kind}" if len(sides) == 1 else kind, kind, chain))
     counts = {name: sum(name == other for other, _, _ in found) for name, _, _ in found}
     numbered, seen = [], dict.fromkeys(counts, 0)
@@ -388,6 +396,17 @@ def _named(tree: _Tree, low: Array, skeleton: Skeleton) -> list[tuple[str, str, 
         seen[name] += 1
         numbered.append((f"{name} {seen[name]}" if counts[name] > 1 else name, kind, chain))
     return [*numbered, *([("trunk", "trunk", sorted(trunk))] if trunk else [])]
+
+
+def _sides(chain: Sequence[str], names: Sequence[str]) -> list[str]:
+    """Return the sides that the names of a limb's joints tell: left, right, both or neither."""
+    words = " ".join(chain).lower()
+    found = {side for side in ("left", "right") if side in words}
+    for name in chain if not found else ():
+        other = other_side(name, names)
+        if other is not None and other in names:
+            found.add("left" if is_left(name, other) else "right")
+    return sorted(found)
 
 
 def _axes(positions: Array) -> Array:

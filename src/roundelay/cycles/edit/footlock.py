@@ -42,7 +42,9 @@ def lock_feet(motion: Motion, longest: int) -> tuple[list[int], Array]:
     positions, orientations = forward_kinematics(
         motion.skeleton, motion.rotations, motion.root_path, translations=motion.translations
     )
-    feet = find_feet(motion.skeleton, positions, motion.up)
+    # Points are no legs with bones of one length: they stay as they are.
+    free = motion.skeleton.free
+    feet = () if free else find_feet(motion.skeleton, positions, motion.up)
     if not feet:
         return [], motion.rotations[:, []]
     points = foot_points(feet, positions, orientations)

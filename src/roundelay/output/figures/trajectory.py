@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry import rotations as rot
 from roundelay.loops.quality import jerk
+from roundelay.motion.features import joint_turns
 from roundelay.motion.motion import Motion
 from roundelay.output.figures.overview import in_plane
 from roundelay.output.figures.palette import ACCENT, INK, PALE, phase_colours
@@ -85,20 +86,21 @@ def _draw(left: Axes, right: Axes, values: Array, fps: float, frames: int, title
 
 def _axes_of_turning(motion: Motion, joints: NDArray[np.intp]) -> tuple[Array, Array]:
     """Return each joint's mean pose (k, 4) and the axis (k, 3) about which it turns most."""
-    means = rot.normalize(motion.rotations[:, joints].mean(axis=0))
-    vectors = rot.vector_between(means, motion.rotations[:, joints])
+    means = rot.normalize(joint_turns(motion)[:, joints].mean(axis=0))
+    vectors = rot.vector_between(means, joint_turns(motion)[:, joints])
     axes = [np.linalg.svd(vectors[:, k], full_matrices=False)[2][0] for k in range(len(joints))]
     return means, np.array(axes)
 
 
 def _degrees(motion: Motion, joints: NDArray[np.intp], means: Array, axes: Array) -> Array:
     """Return each joint's angle (F, k) from its mean pose, about its axis."""
-    away = rot.vector_between(means, motion.rotations[:, joints])
+    away = rot.vector_between(means, joint_turns(motion)[:, joints])
     return np.degrees(np.einsum("fkc,kc->fk", away, axes))
 
 
 def _liveliest(motion: Motion, count: int = 6) -> NDArray[np.intp]:
-    vectors = rot.vector_between(motion.rotations[:1], motion.rotations)
+    turns = joint_turns(motion)
+    vectors = rot.vector_between(turns[:1], turns)
     spread = vectors.var(axis=0).sum(axis=-1)
     spread[0] = 0.0
     return np.sort(np.argsort(spread)[::-1][:count])
@@ -107,11 +109,10 @@ def _liveliest(motion: Motion, count: int = 6) -> NDArray[np.intp]:
 def _offset(shown: Motion, loop: Motion, frames: int) -> int:
     """Return the frame of the loop at which it matches the shown part best."""
     count = min(len(shown), frames)
+    ours, theirs = joint_turns(loop)[:, 1:], joint_turns(shown[:count])[:, 1:]
 
     def apart(offset: int) -> float:
-        turned = rot.angle_between(
-            loop.rotations[offset : offset + count, 1:], shown.rotations[:count, 1:]
-        )
+        turned = rot.angle_between(ours[offset : offset + count], theirs)
         return float(np.sum(turned**2))
 
     return min(range(frames), key=apart)

@@ -1,0 +1,278 @@
+"""Gaps: where points were not seen, and what is put there.
+
+Two ways of filling compete. The *line* goes on from either side (cubic, with the slopes there). The
+*alike* poses take a point from where it was in the frames in which the rest of the body, its speed
+included, was most alike, moved so that it meets both sides: within a cycle these are the same
+phases of other repetitions. For each point and length of gap both are tried on gaps of that length
+made where the point was seen, and the better is taken. A gap that neither can predict is bridged by
+a straight line, and told as open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay.base.numeric import TINY
+from roundelay.base.spans import Spans
+from roundelay.motion.poses import Mask
+from roundelay.motion.thresholds import GAPS
+
+__all__ = ["Gap", "fill_gaps", "gaps_in_words", "outliers"]
+
+Array = NDArray[np.float64]
+Way = Literal["line", "alike", "open"]
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Describe a stretch in which a point was not seen.
+
+    Attributes
+    ----------
+    point : str
+    start, stop : int
+        Its frames, half open.
+    way : {"line", "alike", "open"}
+        How it was filled; an open one is bridged by a straight line.
+    """
+
+    point: str
+    start: int
+    stop: int
+    way: Way
+
+    def __len__(self) -> int:
+        return self.stop - self.start
+
+
+def gaps_in_words(gaps: Sequence[Gap], frames: int, points: int) -> str:
+    """Tell gaps in one line: how many, how much of all that is, the longest, and what is open.
+
+    Parameters
+    ----------
+    gaps : sequence of Gap
+        At least one.
+    frames, points : int
+        Of the take.
+    """
+    share = sum(map(len, gaps)) / (frames * points)
+    missed = sorted({gap.point for gap in gaps})
+    named = ", ".join(missed[:3]) + (f" and {len(missed) - 3} others" if len(missed) > 3 else "")
+    told = f"{_counted(len(gaps), 'gap')} of {named}, {share:.1%} of all positions, filled"
+    longest = max(gaps, key=len)
+    told += f"; the longest, {_span(longest)}"
+    still = [gap for gap in gaps if gap.way == "open"]
+    if still:
+        told += f"; {len(still)} of them could not be predicted and count for nothing: "
+        told += ", ".join(map(_span, sorted(still, key=len)[:-4:-1]))
+        told += " and others" if len(still) > 3 else ""
+    return told
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def _span(gap: Gap) -> str:
+    return f"{gap.point} in frames {gap.start} to {gap.stop - 1}"
+
+
+def outliers(positions: Array, seen: Mask, size: float) -> Mask:
+    """Tell which positions (F, J) jump away from the frames before and after and back again.
+
+    Parameters
+    ----------
+    positions : (F, J, d) ndarray
+    seen : (F, J) ndarray of bool
+    size : float
+        Of the body, in the unit of the positions.
+    """
+    jumped = np.zeros(seen.shape, bool)
+    for point in range(seen.shape[1]):
+        frames = np.flatnonzero(seen[:, point])
+        jumped[frames[_jumping(positions[frames, point], frames, size)], point] = True
+    return jumped
+
+
+def _jumping(path: Array, frames: NDArray[np.intp], size: float) -> Mask:
+    """Tell which places of a path (n, d) lie far off the median of their neighbours.
+
+    The median of a window of two frames to either side, on the path without its own course: the
+    mean of the medians before and behind.
+    """
+    reach, count = GAPS.reach, len(path)
+    if count < 2 * reach + 1:
+        return np.zeros(count, bool)
+    padded = np.pad(path, ((reach, reach), (0, 0)), mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=0)
+    middle = np.median(windows, axis=-1)
+    off = np.linalg.norm(path - middle, axis=1)
+    usual = float(np.median(off[off > 0.0])) if np.any(off > 0.0) else 0.0
+    # Where the point moves fast, a place may lie as far off as the steps around it are long.
+    steps = np.linalg.norm(np.diff(middle, axis=0), axis=1)
+    around = np.maximum(np.append(steps, 0.0), np.insert(steps, 0, 0.0))
+    return np.asarray(off > np.maximum(GAPS.usual * usual, GAPS.apart * size) + 2.0 * around)
+
+
+def fill_gaps(
+    inside: Array,
+    seen: Mask,
+    names: Sequence[str],
+    *,
+    size: float,
+    longest: int | None = None,
+) -> tuple[Array, tuple[Gap, ...]]:
+    """Fill what is missing of points in the frame of their body.
+
+    Parameters
+    ----------
+    inside : (F, J, 3) ndarray
+        Positions in the frame of the trunk.
+    seen : (F, J) ndarray of bool
+        Each point in one frame at least.
+    names : sequence of str
+        Of the points.
+    size : float
+        Of the body, in the unit of the positions.
+    longest : int, optional
+        Longer gaps stay open; by default those that cannot be predicted.
+
+    Returns
+    -------
+    positions : (F, J, 3) ndarray
+    gaps : tuple of Gap
+    """
+    filled = _straight(inside, seen)
+    poses = _Poses(filled, seen, size)
+    found: list[Gap] = []
+    for point in np.flatnonzero(~seen.all(axis=0)).tolist():
+        ways: dict[int, Way] = {}
+        for start, stop in Spans.of_mask(~seen[:, point]):
+            length = stop - start
+            inner = start > 0 and stop < len(seen)
+            if longest is not None and length > longest:
+                way: Way = "open"
+            else:
+                scale = int(np.ceil(np.log2(length))) * 2 + (not inner)
+                if scale not in ways:
+                    ways[scale] = poses.best_way(point, length, inner)
+                way = ways[scale]
+            if way != "open":
+                filled[start:stop, point] = poses.filled(point, start, stop, way)
+            found.append(Gap(names[point], start, stop, way))
+    return filled, tuple(found)
+
+
+def _straight(inside: Array, seen: Mask) -> Array:
+    """Return positions with straight lines where points are missing, level at the ends."""
+    result, frames = inside.copy(), np.arange(len(inside))
+    for point in np.flatnonzero(~seen.all(axis=0)):
+        known = np.flatnonzero(seen[:, point])
+        for axis in range(inside.shape[2]):
+            result[:, point, axis] = np.interp(frames, known, inside[known, point, axis])
+    return result
+
+
+class _Poses:
+    """What the rest of a body tells of a point."""
+
+    def __init__(self, straight: Array, seen: Mask, size: float) -> None:
+        self._places, self._seen, self._size = straight, seen, size
+        speed = np.gradient(straight, axis=0) if len(straight) > 1 else np.zeros_like(straight)
+        # A frame's speed counts like its pose.
+        usual = np.sqrt(np.mean(np.var(straight, axis=0)))
+        quick = np.sqrt(np.mean(np.square(speed)))
+        both = np.concatenate([straight, speed * (usual / max(quick, TINY))], axis=2)
+        self._features = both - both.mean(axis=0)
+        self._squares = np.sum(self._features**2, axis=2)
+
+    def best_way(self, point: int, length: int, inner: bool) -> Way:
+        """Return the way that fills gaps of a length best where the point was seen."""
+        tries = self._tries(point, length)
+        if not tries:
+            return "line" if inner and length <= GAPS.short else "open"
+        ways: tuple[Way, ...] = ("line", "alike") if inner else ("alike",)
+        errors = {way: self._error(point, tries, way) for way in ways}
+        best = min(errors, key=lambda way: errors[way])
+        return best if errors[best] <= GAPS.error * self._size else "open"
+
+    def _tries(self, point: int, length: int) -> list[tuple[int, int]]:
+        """Return stretches of a length in which a point was seen, spread evenly."""
+        found: list[int] = []
+        for start, stop in Spans.of_mask(self._seen[:, point]):
+            found += range(start + 1, stop - length - 1, max(1, length))
+        spread = np.unique(np.linspace(0, len(found) - 1, GAPS.tries).round().astype(int))
+        return [(found[place], found[place] + length) for place in spread] if found else []
+
+    def _error(self, point: int, tries: Sequence[tuple[int, int]], way: Way) -> float:
+        """Return the root mean square error of a way, in the median over several gaps."""
+        errors = []
+        for start, stop in tries:
+            off = self.filled(point, start, stop, way) - self._places[start:stop, point]
+            errors.append(float(np.sqrt(np.mean(np.sum(off**2, axis=1)))))
+        return float(np.median(errors))
+
+    def filled(self, point: int, start: int, stop: int, way: Way) -> Array:
+        """Return what a way puts into a gap, (n, 3)."""
+        if way == "line":
+            return self._line(point, start, stop)
+        return self._alike(point, start, stop)
+
+    def _line(self, point: int, start: int, stop: int) -> Array:
+        """Return a cubic that goes on from either side."""
+        first, last = self._places[start - 1, point], self._places[stop, point]
+        width = stop - start + 1
+        before = first - self._places[max(start - 2, 0), point]
+        after = self._places[min(stop + 1, len(self._places) - 1), point] - last
+        u = (np.arange(1, width) / width)[:, None]
+        h00, h01 = 2 * u**3 - 3 * u**2 + 1, -2 * u**3 + 3 * u**2
+        h10, h11 = u**3 - 2 * u**2 + u, u**3 - u**2
+        return np.asarray(h00 * first + h10 * width * before + h01 * last + h11 * width * after)
+
+    def _alike(self, point: int, start: int, stop: int) -> Array:
+        """Return where the point was in the frames most alike, moved to meet both sides."""
+        count = len(self._places)
+        ends = [frame for frame in (start - 1, stop) if 0 <= frame < count]
+        asked = np.array([*range(start, stop), *ends])
+        usable = self._seen[:, point].copy()
+        usable[max(0, start - 1) : stop + 1] = False
+        known = np.flatnonzero(usable)
+        if not len(known):
+            return self._places[start:stop, point]
+        known = known[:: max(1, len(known) // GAPS.poses)]
+        guess = self._mean_of_nearest(point, asked, known)
+        inner = guess[: stop - start]
+        offsets = [
+            self._places[frame, point] - guess[stop - start + number]
+            for number, frame in enumerate(ends)
+        ]
+        if not offsets:
+            return inner
+        part = (np.arange(1, stop - start + 1) / (stop - start + 1))[:, None]
+        early, late = offsets[0], offsets[-1]
+        return np.asarray(inner + (1.0 - part) * early + part * late)
+
+    def _mean_of_nearest(
+        self, point: int, asked: NDArray[np.intp], known: NDArray[np.intp]
+    ) -> Array:
+        """Return where a point was, on average, in the known frames most alike each asked one."""
+        apart = self._apart(point, asked, known)
+        count = min(GAPS.nearest, len(known))
+        nearest = np.argpartition(apart, count - 1, axis=1)[:, :count]
+        least = TINY * self._size**2
+        weight = 1.0 / np.maximum(np.take_along_axis(apart, nearest, axis=1), least)
+        weight /= weight.sum(axis=1, keepdims=True)
+        return np.asarray(np.einsum("fk,fkd->fd", weight, self._places[known[nearest], point]))
+
+    def _apart(self, point: int, asked: NDArray[np.intp], known: NDArray[np.intp]) -> Array:
+        """Return squared distances (n, m) of frames, by all points but one."""
+        own = self._features.reshape(len(self._features), -1)
+        mine = self._features[:, point]
+        products = own[asked] @ own[known].T - mine[asked] @ mine[known].T
+        squares = self._squares.sum(axis=1) - self._squares[:, point]
+        return np.asarray(squares[asked, None] - 2.0 * products + squares[known])

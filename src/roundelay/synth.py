@@ -18,13 +18,24 @@ from numpy.typing import NDArray
 from roundelay.base.brief import brief
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
+from roundelay.motion.floating import points_of_motion
 from roundelay.motion.motion import Motion, concatenate
+from roundelay.motion.points import Points
 
-__all__ = ["Gait", "Synthetic", "gait", "humanoid", "sequence", "wander"]
+__all__ = [
+    "Gait",
+    "Synthetic",
+    "as_points",
+    "gait",
+    "humanoid",
+    "quadruped",
+    "sequence",
+    "wander",
+]
 
 _Array = NDArray[np.float64]
 _Rng = int | np.random.Generator
-Gait = Literal["walk", "run", "jacks", "punch", "spin"]
+Gait = Literal["walk", "run", "jacks", "punch", "spin", "trot"]
 
 # Joint: amplitudes in radians of (swing about x, raise about z) and phase of the swing.
 _SWINGS: dict[str, dict[str, tuple[float, float, float]]] = {
@@ -45,7 +56,18 @@ _SWINGS: dict[str, dict[str, tuple[float, float, float]]] = {
     "jacks": {"UpLeg": (0.1, 0.35, 0.0), "Leg": (0.3, 0.0, 0.5), "Arm": (0.1, 1.2, 0.0)},
     "punch": {"Arm": (0.9, 0.3, 0.0), "ForeArm": (1.1, 0.0, 0.15), "UpLeg": (0.08, 0.0, 0.3)},
     "spin": {"Arm": (0.1, 0.6, 0.0), "UpLeg": (0.3, 0.1, 0.0), "Leg": (0.4, 0.0, 0.1)},
+    # Legs that are opposite each other swing together.
+    "trot": {
+        "UpLeg": (0.4, 0.03, 0.0),
+        "Leg": (0.5, 0.0, 0.2),
+        "Foot": (0.3, 0.0, 0.35),
+        "ForeUpLeg": (0.4, 0.03, 0.5),
+        "ForeLeg": (0.5, 0.0, 0.7),
+        "ForeFoot": (0.3, 0.0, 0.85),
+        "Tail": (0.05, 0.15, 0.0),
+    },
 }
+_LEG = ("LeftUpLeg", "LeftLeg", "LeftFoot")
 # Seconds a period and body heights travelled in it.
 _PACE = {
     "walk": (1.1, 0.75),
@@ -53,6 +75,7 @@ _PACE = {
     "jacks": (1.2, 0.0),
     "punch": (0.9, 0.0),
     "spin": (1.4, 0.0),
+    "trot": (0.6, 0.6),
 }
 
 
@@ -114,6 +137,88 @@ def humanoid() -> Skeleton:
     return Skeleton(names, parents, np.array(offsets), sites)
 
 
+def quadruped() -> Skeleton:
+    """Return a plain skeleton of a dog's kind: 18 joints, Y up, facing +Z."""
+    joints: list[tuple[str, int, tuple[float, float, float]]] = [
+        ("Hips", -1, (0.0, 0.0, 0.0)),
+        ("Spine", 0, (0.0, 0.02, 0.25)),
+        ("Withers", 1, (0.0, 0.04, 0.3)),
+        ("Neck", 2, (0.0, 0.15, 0.15)),
+        ("Head", 3, (0.0, 0.05, 0.12)),
+        ("Tail", 0, (0.0, 0.0, -0.12)),
+    ]
+    for front, above, ahead in (("", 0, 0.0), ("Fore", 2, 0.02)):
+        for side, sign in (("Left", 1.0), ("Right", -1.0)):
+            leg = len(joints)
+            joints += [
+                (f"{side}{front}UpLeg", above, (0.08 * sign, -0.04, ahead)),
+                (f"{side}{front}Leg", leg, (0.0, -0.26, 0.0)),
+                (f"{side}{front}Foot", leg + 1, (0.0, -0.26, 0.0)),
+            ]
+    names, parents, offsets = zip(*joints, strict=True)
+    feet = [joint for joint, name in enumerate(names) if name.endswith("Foot")]
+    ends = [(names.index("Head"), (0.0, -0.03, 0.14)), (names.index("Tail"), (0.0, -0.05, -0.25))]
+    ends += [(foot, (0.0, -0.05, 0.06)) for foot in feet]
+    sites = tuple((joint, np.array(offset)) for joint, offset in ends)
+    return Skeleton(names, parents, np.array(offsets), sites)
+
+
+def as_points(
+    made: Synthetic,
+    *,
+    dimensions: Literal[2, 3] = 3,
+    gaps: float = 0.0,
+    outliers: float = 0.0,
+    noise: float = 0.0,
+    rng: _Rng = 0,
+) -> Points:
+    """Show a made motion as markers, or as keypoints of a camera that looks at it from its side.
+
+    Parameters
+    ----------
+    made : Synthetic
+    dimensions : {2, 3}
+        In 2 the camera looks along X, so that what walks goes across the picture; in units of the
+        body, as a picture's pixels would be.
+    gaps : float
+        Share of all positions that is missing, in stretches of a tenth of a second to a third.
+    outliers : float
+        Share of all positions that lies off by half a body.
+    noise : float
+        Standard deviation of white noise on every coordinate, in the motion's unit.
+    rng : int or numpy.random.Generator
+        Draws gaps, outliers and noise.
+
+    Returns
+    -------
+    Points
+    """
+    draw, motion = np.random.default_rng(rng), made.motion
+    points = points_of_motion(motion)
+    positions = points.positions + draw.normal(scale=noise or 1.0, size=points.positions.shape) * (
+        noise > 0.0
+    )
+    shape, size = positions.shape[:2], motion.skeleton.size
+    off = draw.random(shape) < outliers
+    positions[off] += draw.normal(scale=0.5 * size, size=(int(off.sum()), 3))
+    missing = np.zeros(shape, bool)
+    for point in range(shape[1]):
+        while missing[:, point].mean() < gaps:
+            length = max(1, round(draw.uniform(0.1, 0.33) * motion.fps))
+            start = int(draw.integers(-length + 1, shape[0]))
+            missing[max(0, start) : start + length, point] = True
+    seen = positions if dimensions == 3 else positions[..., [2, 1]] * (1.0, -1.0)
+    return Points(
+        points.names,
+        seen,
+        motion.fps,
+        missing=missing,
+        image=dimensions == 2,
+        units="px" if dimensions == 2 else "m",
+        name=motion.name,
+    )
+
+
 def gait(
     kind: Gait = "walk",
     *,
@@ -131,8 +236,8 @@ def gait(
 
     Parameters
     ----------
-    kind : {"walk", "run", "jacks", "punch", "spin"}
-        The spin turns the root by 360 degrees a period.
+    kind : {"walk", "run", "jacks", "punch", "spin", "trot"}
+        The spin turns the root by 360 degrees a period; the trot is that of a `quadruped`.
     repetitions : float
         How many periods.
     period : float, optional
@@ -170,7 +275,7 @@ def gait(
     phase = start + np.arange(frames) / (seconds * fps)
     # Poses run ahead of time and fall behind, once a period.
     shape = phase + unevenness * np.sin(2 * np.pi * phase) / (2 * np.pi)
-    skeleton = humanoid()
+    skeleton = quadruped() if kind == "trot" else humanoid()
     rotations = _poses(kind, skeleton, shape, draw)
     if noise > 0.0:
         shake = draw.normal(scale=noise, size=(frames, skeleton.n_joints, 3))
@@ -178,7 +283,8 @@ def gait(
     heading = turning * phase + (2 * np.pi * phase if kind == "spin" else 0.0)
     up = np.array([0.0, 1.0, 0.0])
     rotations[:, 0] = rot.multiply(rot.from_rotation_vector(heading[:, None] * up), rotations[:, 0])
-    path = _path(stride * 1.75, phase, turning, shape)
+    height = _hips(skeleton)
+    path = _path(stride * 1.75, height, phase, turning, shape)
     motion = Motion(skeleton, rotations, path, 1.0 / fps, name=kind)
     return Synthetic(motion, phase, seconds, (), (kind,))
 
@@ -241,7 +347,7 @@ def _blended(first: Motion, second: Motion, frames: int) -> Motion:
 def _poses(kind: str, skeleton: Skeleton, shape: _Array, rng: np.random.Generator) -> _Array:
     """Return rotations (F, J, 4) of a gait at unwrapped shape phases."""
     vectors = np.zeros((len(shape), skeleton.n_joints, 3))
-    mirrored = kind in ("walk", "run", "punch")
+    mirrored = kind in ("walk", "run", "punch", "trot")
     for joint, name in enumerate(skeleton.names):
         side = next((s for s in ("Left", "Right") if name.startswith(s)), "")
         swing, lift, lag = _SWINGS[kind].get(name.removeprefix(side), (0.02, 0.01, 0.3))
@@ -255,7 +361,14 @@ def _poses(kind: str, skeleton: Skeleton, shape: _Array, rng: np.random.Generato
     return rot.from_rotation_vector(vectors)
 
 
-def _path(stride: float, phase: _Array, turning: float, shape: _Array) -> _Array:
+def _hips(skeleton: Skeleton) -> float:
+    """Return how high the hips are when the legs are straight, less what knees bend."""
+    legs = [joint for joint, name in enumerate(skeleton.names) if name in _LEG]
+    ends = [offset for joint, offset in skeleton.end_sites if skeleton.names[joint] == "LeftFoot"]
+    return -float(skeleton.offsets[legs, 1].sum() + ends[0][1]) - 0.01
+
+
+def _path(stride: float, height: float, phase: _Array, turning: float, shape: _Array) -> _Array:
     """Return a path that bends by `turning` a period, with the hips' bob."""
     path = np.zeros((len(phase), 3))
     # Integral of the heading (sin, 0, cos) at constant speed.
@@ -264,5 +377,5 @@ def _path(stride: float, phase: _Array, turning: float, shape: _Array) -> _Array
     else:
         path[:, 0] = stride * (1.0 - np.cos(turning * phase)) / turning
         path[:, 2] = stride * np.sin(turning * phase) / turning
-    path[:, 1] = 0.92 + 0.02 * np.cos(4 * np.pi * shape)
+    path[:, 1] = height + 0.02 * np.cos(4 * np.pi * shape)
     return path

@@ -26,7 +26,7 @@ from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.axes import upright_turn, upward
 from roundelay.motion.frame import Frame, trunk_frame
 from roundelay.motion.gaps import Gap, fill_gaps, gaps_in_words, outliers
-from roundelay.motion.lines import Links, links_of, tree_of, trunk_of
+from roundelay.motion.lines import Links, links_of, symmetric_tree, tree_of, trunk_of
 from roundelay.motion.motion import Motion
 from roundelay.motion.points import Points
 from roundelay.motion.poses import Mask
@@ -123,7 +123,7 @@ def motion_of_points(points: Points, *, fill: bool = True, max_gap: float | None
     layout = PointsLayout(
         points.names, points.dimensions, points.units, points.image, links, points.layout, gaps
     )
-    tree = tree_of(positions, seen, frame.trunk, links)
+    tree = symmetric_tree(tree_of(positions, seen, frame.trunk, links), points.names)
     return _floating(points, frame, inside, tree, layout)
 
 

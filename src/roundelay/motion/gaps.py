@@ -151,20 +151,16 @@ def fill_gaps(
     poses = _Poses(filled, seen, size)
     found: list[Gap] = []
     for point in np.flatnonzero(~seen.all(axis=0)).tolist():
-        ways: dict[int, Way] = {}
+        best: dict[tuple[int, tuple[Way, ...]], Way] = {}
         for start, stop in Spans.of_mask(~seen[:, point]):
-            length = stop - start
-            inner = start > 0 and stop < len(seen)
-            if longest is not None and length > longest:
-                way: Way = "open"
-            else:
-                scale = int(np.ceil(np.log2(length))) * 2 + (not inner)
-                if scale not in ways:
-                    ways[scale] = poses.best_way(point, length, inner)
-                way = ways[scale]
-            if way != "open":
-                filled[start:stop, point] = poses.filled(point, start, stop, way)
-            found.append(Gap(names[point], start, stop, way))
+            ways = poses.ways(start, stop) if longest is None or stop - start <= longest else ()
+            # Gaps of about one length are tried once.
+            kind = (int(np.ceil(np.log2(stop - start))), ways)
+            if kind not in best:
+                best[kind] = poses.best_way(point, stop - start, ways)
+            if best[kind] != "open":
+                filled[start:stop, point] = poses.filled(point, start, stop, best[kind])
+            found.append(Gap(names[point], start, stop, best[kind]))
     return filled, tuple(found)
 
 
@@ -191,12 +187,17 @@ class _Poses:
         self._features = both - both.mean(axis=0)
         self._squares = np.sum(self._features**2, axis=2)
 
-    def best_way(self, point: int, length: int, inner: bool) -> Way:
+    def ways(self, start: int, stop: int) -> tuple[Way, ...]:
+        """Return the ways in which a gap can be filled: by what is seen around it and during it."""
+        inner = start > 0 and stop < len(self._seen)
+        shown = self._seen[start:stop].mean() > GAPS.shown
+        return (*(("line",) if inner else ()), *(("alike",) if shown else ()))
+
+    def best_way(self, point: int, length: int, ways: tuple[Way, ...]) -> Way:
         """Return the way that fills gaps of a length best where the point was seen."""
         tries = self._tries(point, length)
-        if not tries:
-            return "line" if inner and length <= GAPS.short else "open"
-        ways: tuple[Way, ...] = ("line", "alike") if inner else ("alike",)
+        if not (tries and ways):
+            return "line" if "line" in ways and length <= GAPS.short else "open"
         errors = {way: self._error(point, tries, way) for way in ways}
         best = min(errors, key=lambda way: errors[way])
         return best if errors[best] <= GAPS.error * self._size else "open"

@@ -8,11 +8,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.geometry.symmetry import is_left, other_side
 from roundelay.motion.point_sets import PointSet, known_set, plain_name
 from roundelay.motion.poses import Mask
 from roundelay.motion.thresholds import FRAME
 
-__all__ = ["Links", "links_of", "tree_of", "trunk_of"]
+__all__ = ["Links", "links_of", "symmetric_tree", "tree_of", "trunk_of"]
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -122,3 +123,37 @@ def tree_of(positions: Array, seen: Mask, trunk: Places, links: Links) -> list[i
         above, point = divmod(int(np.argmin(chosen)), count)
         parents[point], reached[point] = above, True
     return [int(parent) for parent in parents]
+
+
+def symmetric_tree(tree: Sequence[int], names: Sequence[str]) -> list[int]:
+    """Return a tree in which right points hang as their left partners do, so that it has a mirror.
+
+    Left points hang on the nearest above them that is not on the right, those of the middle on the
+    nearest that is of the middle.
+
+    Parameters
+    ----------
+    tree : sequence of int
+        The parent of each point; -1 for the frame.
+    names : sequence of str
+        Names that tell sides; where one has no partner, the tree stays as it is.
+    """
+    places = {name: place for place, name in enumerate(names)}
+    others = [other_side(name, places) for name in names]
+    if any(other is not None and other not in places for other in others):
+        return list(tree)
+    partner = [place if o is None else places[o] for place, o in enumerate(others)]
+    left = [is_left(name, names[other]) for name, other in zip(names, partner, strict=True)]
+    middle = [place == other for place, other in enumerate(partner)]
+
+    def above(point: int) -> int:
+        parent = tree[point]
+        while parent >= 0 and not (middle[parent] or (left[parent] and left[point])):
+            parent = tree[parent]
+        return parent
+
+    found = [above(point) if left[point] or middle[point] else -1 for point in range(len(tree))]
+    for point, other in enumerate(partner):
+        if not (left[point] or middle[point]):
+            found[point] = -1 if found[other] < 0 else partner[found[other]]
+    return found

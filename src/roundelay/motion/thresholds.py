@@ -75,6 +75,9 @@ class _Gaps(Thresholds):
         0.8, unit="quantile of the points", origin="by which a body's size is told; " + BY_EYE
     )
     tries: int = constant(6, unit="gaps", origin="made to compare the ways of filling; for speed")
+    shown: float = constant(
+        0.5, unit="share of all points", origin="seen during a gap to tell what is missing"
+    )
     nearest: int = constant(4, unit="frames", origin="most alike, whose mean is taken; " + BY_EYE)
     poses: int = constant(2000, unit="frames", origin="that are looked through; for speed")
     short: int = constant(

@@ -19,6 +19,7 @@ from roundelay.loops.quality import Quality
 from roundelay.loops.recipe import Loop
 from roundelay.loops.units import Lengths
 from roundelay.loops.verdict import Verdict
+from roundelay.motion.floating import PointsLayout
 from roundelay.motion.motion import Motion
 from roundelay.timeline.evidence import Evidence
 from roundelay.timeline.options import Options
@@ -49,9 +50,22 @@ def capture_record(motion: Motion, path: Path, options: Options | dict[str, Any]
             "seconds": round(motion.duration, 6),
             "joints": motion.skeleton.n_joints,
             "up": "XYZ"[motion.up],
+            **_gaps_record(motion),
         },
         "options": options if isinstance(options, dict) else asdict(options),
     }
+
+
+def _gaps_record(motion: Motion) -> dict[str, Any]:
+    """Describe what was missing of points; nothing where the capture has none."""
+    layout = motion.skeleton.layout
+    if not isinstance(layout, PointsLayout):
+        return {}
+    gaps = [
+        {"point": gap.point, "frames": [gap.start, gap.stop], "filled": gap.way}
+        for gap in layout.gaps
+    ]
+    return {"points": len(layout.names), "gaps": gaps}
 
 
 def cycle_record(cycle: Cycle, figures: Quality, files: Sequence[Path] = ()) -> dict[str, Any]:

@@ -86,7 +86,8 @@ def test_a_library_takes_a_format_of_a_stranger(scratch):
     [
         (
             "loop",
-            "BVH, AMC, GLB, GLTF or POSE files, bvh, amc, glb, gltf, fbx, pose. generic, markers.",
+            "BVH, AMC, GLB, GLTF, VRM, VRMA, FBX or POSE files, bvh, amc, glb, gltf, fbx, pose. "
+            "generic, markers.",
         ),
         ("convert", "The BVH, AMC, GLB, GLTF, FBX or POSE file to write;"),
         ("segment", "gaussian, pca, ppca, gmm, steady, ppca-paper, gmm-paper."),

@@ -14,6 +14,7 @@ from roundelay.commands.close import close
 from roundelay.commands.common import BAD_INPUT, INTERRUPTED, one_line_errors
 from roundelay.commands.convert import convert
 from roundelay.commands.excitations import excitations
+from roundelay.commands.info import info
 from roundelay.commands.inspect import inspect
 from roundelay.commands.library import library
 from roundelay.commands.listing import filled
@@ -83,6 +84,7 @@ for command in (
     check,
     close,
     convert,
+    info,
 ):
     app.command(cls=_Command)(command)
 

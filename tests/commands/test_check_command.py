@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 import roundelay as rl
 from roundelay import synth
 from roundelay.cli import app
+from roundelay.formats import in_words, readers, suffixes_of
 
 
 @pytest.fixture
@@ -86,17 +87,17 @@ def test_files_are_overwritten_if_asked(folder):
 def test_a_bad_file_costs_its_line_and_never_the_run(folder):
     rl.write(rl.read(folder / "a.bvh")[:5], folder / "tiny.bvh")
     (folder / "broken.bvh").write_text("none")
-    rl.write(rl.read(folder / "a.bvh"), folder / "a.fbx")
+    (folder / "a.vmd").write_text("a motion of another program")
     shown = check(folder)
     assert shown.exit_code == 2
     assert "broken.bvh:1:1: expected" in shown.stderr
     assert shown.stderr.splitlines()[1:] == [
         f"roundelay: {folder / 'tiny.bvh'}: a loop needs at least 8 frames, found 5",
-        f"roundelay: note: {folder / 'a.fbx'}: not read, there is no reader of FBX",
+        f"roundelay: note: {folder / 'a.vmd'}: not read, there is no reader of VMD",
     ]
     assert shown.stdout.count(" frames at 30 fps, ") == 7
     told = json.loads(check(folder, "--json").stdout)
-    assert told["not_read"] == [str(folder / "a.fbx")]
+    assert told["not_read"] == [str(folder / "a.vmd")]
     (short,) = (one for one in told["loops"] if one["file"].endswith("tiny.bvh"))
     assert (short["frames"], short["faults"]) == (None, [])
     assert "found 5" in short["error"]
@@ -106,7 +107,7 @@ def test_a_file_that_is_not_read_makes_no_fault(folder):
     for path in folder.rglob("*.*"):
         if path.name not in ("a.bvh", "good.glb"):
             path.unlink()
-    rl.write(rl.read(folder / "a.bvh"), folder / "a.fbx")
+    (folder / "a.vmd").write_text("a motion of another program")
     shown = check(folder)
     assert (shown.exit_code, shown.stderr.count("not read")) == (0, 1)
 
@@ -174,9 +175,9 @@ def test_a_raw_capture_is_told_and_left(folder, captures):
         (["none.bvh"], "No such file"),
         (
             ["README.md"],
-            "README.md: expected a file of type .bvh, .amc, .glb, .gltf, found 'README.md'",
+            f"README.md: expected a file of type {', '.join(suffixes_of(readers))}, found 'READ",
         ),
-        (["{folder}/empty"], "expected BVH, AMC, GLB or GLTF files, found none"),
+        (["{folder}/empty"], f"expected {in_words(readers)} files, found none"),
         (["{folder}", "--overwrite"], "expected --overwrite with --mend, found it alone"),
     ],
 )

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import base64
+import struct
 import warnings
+import zlib
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +14,9 @@ import numpy as np
 
 import roundelay as rl
 from roundelay import synth
+from roundelay.formats.fbx_binary import elements_of_binary
+from roundelay.formats.fbx_elements import Element
+from roundelay.formats.fbx_nodes import Node
 from roundelay.geometry import rotations as rot
 
 NAMES = (
@@ -76,3 +83,77 @@ def _named(walk: rl.Motion) -> rl.Motion:
     ends = (*old.end_sites, (neck, np.array([0.0, 0.1, 0.0])), (neck, np.array([0.1, 0.0, 0.0])))
     skeleton = rl.Skeleton(tuple(names), old.parents, old.offsets, ends)
     return replace(walk, skeleton=skeleton, name="Gång")
+
+
+def as_text(nodes: Iterable[Node]) -> bytes:
+    """Return the nodes of a file as FBX in text."""
+    lines = ["; FBX 7.4.0 project file", "; ----"]
+
+    def add(one: Node, deep: str) -> None:
+        values = ", ".join(map(_written, one.values))
+        lines.append(f"{deep}{one.name}: {values}" + (" {" if one.inside else ""))
+        for inner in one.inside:
+            add(inner, deep + "\t")
+        lines.extend([f"{deep}}}"] if one.inside else [])
+
+    for one in nodes:
+        add(one, "")
+    return "\n".join(lines).encode()
+
+
+def _written(value: object) -> str:
+    match value:
+        case bool():
+            return "Y" if value else "N"
+        case str():
+            own, mark, kind = value.partition("\0\1")
+            text = f"{kind}::{own}" if mark else value
+            return '"' + text.replace('"', "&quot;") + '"'
+        case bytes():
+            return '"' + base64.b64encode(value).decode() + '"'
+        case np.ndarray():
+            numbers = ",".join(map(repr, value.tolist()))
+            return f"*{value.size} {{\n a: {numbers}\n}}"
+    return repr(value)
+
+
+def as_wide(data: bytes) -> bytes:
+    """Return a binary file of version 7.4 as one of 7.5, whose places have 64 bits."""
+    version, root = elements_of_binary(Path("a.fbx"), data)
+    assert version == 7400
+    result = bytearray(data[:23] + struct.pack("<I", 7500))
+
+    def add(one: Element) -> None:
+        start, name = len(result), one.name.encode()
+        result.extend(bytes(24) + bytes([len(name)]) + name)
+        head = len(result)
+        for value in one.values:
+            result.extend(_packed(value))
+        size = len(result) - head
+        for inner in one.inside:
+            add(inner)
+        if one.inside:
+            result.extend(bytes(25))
+        struct.pack_into("<QQQ", result, start, len(result), len(one.values), size)
+
+    for one in root.inside:
+        add(one)
+    return bytes(result + bytes(25))
+
+
+def _packed(value: object) -> bytes:
+    """Return a value in binary; arrays packed by zlib."""
+    match value:
+        case bool():
+            return struct.pack("<c?", b"C", value)
+        case int():
+            return struct.pack("<cq", b"L", value)
+        case float():
+            return struct.pack("<cd", b"D", value)
+        case str():
+            return struct.pack("<cI", b"S", len(value.encode())) + value.encode()
+        case bytes():
+            return struct.pack("<cI", b"R", len(value)) + value
+    kind = {"<f4": b"f", "<f8": b"d", "<i4": b"i", "<i8": b"l"}[value.dtype]
+    content = zlib.compress(bytes(value.content))
+    return struct.pack("<cIII", kind, value.count, 1, len(content)) + content

@@ -300,11 +300,6 @@ def test_a_name_that_is_no_text(tmp_path):
     assert Scene(tmp_path / "a.fbx").nodes["Takes"].one("Current").values == ["caf\\xe9"]
 
 
-def test_fbx_is_not_read(tmp_path):
-    with pytest.raises(rl.FormatError, match=r"expected a file of type \.bvh, \.amc"):
-        rl.read(tmp_path / "a.fbx")
-
-
 def test_a_joint_that_moves_lies_aside_of_its_parents_axis(tmp_path):
     """Blender joins a child at its parent's tip, along Y, and leaves out its movement."""
     made = synth.gait("walk", repetitions=2, fps=30).motion

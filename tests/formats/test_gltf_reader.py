@@ -14,6 +14,7 @@ import pytest
 
 import roundelay as rl
 from roundelay import synth
+from roundelay.formats import contents_of
 from roundelay.geometry import rotations as rot
 
 HALF = np.sqrt(0.5)
@@ -260,9 +261,7 @@ def test_joints_of_two_trees(tmp_path):
     made.document["nodes"].append({"name": "hat"})
     made.document["skins"] = [{"joints": [0, 1]}, {"joints": [0, 1, 2]}]
     made.track(0, "translation", [0, 1 / 30], [[0, 1, 0], [0, 2, 0]])
-    with pytest.warns(
-        rl.RoundelayWarning, match="of 2 trees of joints, that below nodes.0. is read"
-    ):
+    with pytest.warns(rl.RoundelayWarning, match="of 2 trees of joints, that below 'hip' is read"):
         assert rl.read(made.saved(tmp_path / "a.gltf")).skeleton.names == ("hip", "leg")
 
 
@@ -387,7 +386,7 @@ def changed(where: str, value) -> Made:
         ("asset.version", "1.0", r"expected version 2\.x, found '1.0' at asset.version"),
         ("nodes", [], "expected nodes, found none"),
         ("nodes", {}, "expected a list, found {} at nodes"),
-        ("nodes.1.children", [0], r"expected a tree of nodes, found a node below itself"),
+        ("nodes.1.children", [0], r"expected a tree of nodes, found node 'hip' below itself"),
         ("nodes.1.children", [1], r"expected children without another parent"),
         ("nodes.0.children", [7], r"at most 1, found 7 at nodes\[0\]\.children\[0\]"),
         ("nodes.0.translation", [0, 0], r"expected 3 numbers, found \[0, 0\] at nodes\[0\]"),
@@ -525,3 +524,61 @@ def test_mutated_files_give_a_motion_or_a_format_error(tmp_path, suffix):
                 told.append(str(error))
     assert len(told) > 100
     assert all(text.startswith(f"{path}:") for text in told)
+
+
+def walk_and_run() -> Made:
+    """Two animations of one skeleton, of two and of three frames."""
+    made = two_bones()
+    made.track(0, "translation", [0, 1 / 30], [[0, 1, 0], [0, 2, 0]])
+    made.document["animations"][0]["name"] = "walk"
+    made.document["animations"].append({"name": "run", "samplers": [], "channels": []})
+    made.document["animations"].reverse()
+    made.track(0, "translation", [0, 0.1, 0.2], [[0, 1, 0], [0, 2, 0], [0, 3, 0]])
+    return made
+
+
+def test_an_animation_by_its_name(tmp_path):
+    path = walk_and_run().saved(tmp_path / "a.gltf")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(rl.read(path, animation="walk")) == 2
+        assert len(rl.read(path, animation="run")) == 3
+    with pytest.raises(rl.FormatError, match=r"animation \(--animation\) among 'run', 'walk'"):
+        rl.read(path, animation="swim")
+
+
+def test_a_skeleton_by_its_name(tmp_path):
+    made = two_bones()
+    made.document["nodes"] += [{"name": "rider", "children": [3]}, {"name": "arm"}]
+    made.document["skins"] += [{"joints": [2, 3]}]
+    for node in (0, 2):
+        made.track(node, "translation", [0, 1 / 30], [[0, 1, 0], [0, 2, 0]])
+    path = made.saved(tmp_path / "a.gltf")
+    assert contents_of(path).characters == ("hip", "rider")
+    assert rl.read(path, character="rider").skeleton.names == ("rider", "arm")
+    with pytest.warns(rl.RoundelayWarning, match="--character"):
+        assert rl.read(path).skeleton.names == ("hip", "leg")
+    with pytest.raises(rl.FormatError, match="among 'hip', 'rider', found 'dog'"):
+        rl.read(path, character="dog")
+
+
+def test_several_skins_of_one_body_are_one_skeleton(tmp_path):
+    """As VRoid writes them: one for the face, one for the body, one for the hair."""
+    made = two_bones()
+    made.document["nodes"][1]["children"] = [2]
+    made.document["nodes"].append({"name": "toe"})
+    made.document["skins"] = [{"joints": [0, 1]}, {"joints": [1, 2]}]
+    made.track(0, "translation", [0, 1 / 30], [[0, 1, 0], [0, 2, 0]])
+    assert rl.read(made.saved(tmp_path / "a.vrm")).skeleton.names == ("hip", "leg", "toe")
+
+
+def test_a_data_uri_without_base64(tmp_path):
+    made = two_bones()
+    made.track(0, "translation", [0, 1 / 30], [[0, 1, 0], [0, 2, 0]])
+    uri = "data:application/octet-stream," + "".join(f"%{byte:02x}" for byte in made.data)
+    assert len(rl.read(made.saved(tmp_path / "a.gltf", uri))) == 2
+
+
+def test_a_bvh_has_one_animation(bvh):
+    with pytest.raises(ValueError, match="no --animation"):
+        rl.read(bvh(), animation="walk")

@@ -6,7 +6,7 @@ import roundelay as rl
 def test_an_unknown_suffix_lists_those_known(tmp_path, bvh):
     expected = r"expected a file of type \.bvh, \.amc"
     with pytest.raises(rl.FormatError, match=expected):
-        rl.read("a.fbx")
+        rl.read("a.xyz")
     with pytest.raises(ValueError, match=expected):
         rl.write(rl.read(bvh()), tmp_path / "a.xyz")
 

@@ -6,10 +6,12 @@ import base64
 import json
 import random
 import struct
+import zlib
 from typing import Any
 
 __all__ = ["FORMATS", "Files", "made"]
 
+_Element = tuple[str, list[Any], list[Any]]
 Files = dict[str, bytes]
 """The files of a capture by their names; the first one is read."""
 
@@ -266,5 +268,112 @@ def _glb(chance: _Chance) -> Files:
     return {"a.glb": b"".join([*pieces, struct.pack("<I", len(data)), b"BIN\x00", data])}
 
 
-FORMATS = {"bvh": _bvh, "amc": _acclaim, "gltf": _gltf, "glb": _glb}
+def _fbx(chance: _Chance) -> Files:
+    parents = chance.tree(6)
+    wide = chance.random() < 0.3
+    objects, links = list[_Element](), list[_Element]()
+    for joint, parent in enumerate(parents):
+        name = f"{chance.name(joint)}\0\1Model"
+        known = [("Lcl Translation", "", "", "A", *_vector(chance, 3))]
+        known += [(chance.word("RotationOrder"), "enum", "", "", chance.count(joint % 6))]
+        known += [("RotationActive", "bool", "", "", 1)] if chance.random() < 0.3 else []
+        known += [("PreRotation", "Vector3D", "", "", *_vector(chance, 3))]
+        objects.append(("Model", [100 + joint, name, "LimbNode"], [_properties(known)]))
+        above = 100 + chance.count(parent) if parent >= 0 else 0
+        links.append(("C", [chance.word("OO"), 100 + joint, above], []))
+    objects.append(("AnimationStack", [1, "walk\0\1AnimStack", ""], []))
+    objects.append(("AnimationLayer", [2, "\0\1AnimLayer", ""], []))
+    links.append(("C", ["OO", 2, 1], []))
+    _curves(chance, len(parents), objects, links)
+    settings = _properties([("TimeMode", "enum", "", "", chance.choice((0, 6, 11)))])
+    nodes: list[_Element] = [
+        ("FBXHeaderExtension", [], [("FBXVersion", [7500 if wide else 7400], [])]),
+        ("GlobalSettings", [], [settings]),
+        (chance.word("Objects"), [], objects),
+        (chance.word("Connections"), [], links),
+    ]
+    if chance.random() < 0.3:
+        return {"a.fbx": _encoded(chance, "; FBX 7.4.0 project file\n" + _fbx_text(nodes))}
+    head = b"Kaydara FBX Binary  \0\x1a\0" + struct.pack("<I", 7500 if wide else 7400)
+    body = bytearray(head)
+    for one in nodes:
+        _fbx_element(chance, one, wide, body)
+    return {"a.fbx": bytes(body + bytes(25 if wide else 13))}
+
+
+def _properties(rows: list[tuple[Any, ...]]) -> _Element:
+    return ("Properties70", [], [("P", list(row), []) for row in rows])
+
+
+def _curves(chance: _Chance, joints: int, objects: list[_Element], links: list[_Element]) -> None:
+    frames = chance.randint(1, 9)
+    ticks = [46_186_158_000 // 30 * frame for frame in range(frames)]
+    for joint in range(joints):
+        kind, of = ("T", "Lcl Translation") if chance.random() < 0.2 else ("R", "Lcl Rotation")
+        group = 1000 + 10 * joint
+        objects.append(("AnimationCurveNode", [group, f"{kind}\0\1AnimCurveNode", ""], []))
+        links.append(("C", ["OO", group, 2], []))
+        links.append(("C", ["OP", group, 100 + chance.count(joint), of], []))
+        for axis in range(3):
+            values = [float(chance.uniform(-90.0, 90.0)) for _ in range(chance.count(frames) % 99)]
+            flags = [chance.choice((0x6104, 0x6108, 0x408, 0x108, 2, 0x102)) for _ in ticks]
+            inside: list[_Element] = [("KeyTime", [ticks], []), ("KeyValueFloat", [values], [])]
+            inside += [("KeyAttrFlags", [flags], []), ("KeyAttrRefCount", [[1] * frames], [])]
+            inside += [("KeyAttrDataFloat", [[0.0] * (4 * frames)], [])]
+            objects.append(("AnimationCurve", [group + axis + 1, "\0\1AnimCurve", ""], inside))
+            links.append(("C", ["OP", group + axis + 1, group, f"d|{'XYZ'[axis]}"], []))
+
+
+def _fbx_element(chance: _Chance, one: _Element, wide: bool, data: bytearray) -> None:
+    name, values, inside = one
+    form = "<QQQ" if wide else "<III"
+    start, size = len(data), struct.calcsize(form)
+    data.extend(bytes(size) + bytes([len(name)]) + name.encode())
+    first = len(data)
+    for value in values:
+        data.extend(_fbx_value(chance, value))
+    length = len(data) - first
+    for inner in inside:
+        _fbx_element(chance, inner, wide, data)
+    data.extend(bytes(size + 1) if inside else b"")
+    limit = 2**32 - 1
+    told = min(chance.count(len(data)), limit), min(chance.count(len(values)), limit), length
+    struct.pack_into(form, data, start, *told)
+
+
+def _fbx_value(chance: _Chance, value: Any) -> bytes:
+    match value:
+        case str():
+            raw = value.encode("utf-8", "replace")
+            return struct.pack("<cI", b"S", min(chance.count(len(raw)), 2**32 - 1)) + raw
+        case float():
+            return struct.pack("<cd", b"D", value)
+        case int():
+            return struct.pack("<cq", b"L", value)
+    kind, form = ("d", "d") if value and isinstance(value[0], float) else ("l", "q")
+    raw = struct.pack(f"<{len(value)}{form}", *value)
+    packed = chance.random() < 0.5
+    raw = zlib.compress(raw) if packed else raw
+    count = min(chance.count(len(value)), 2**32 - 1)
+    return struct.pack("<cIII", kind.encode(), count, packed, len(raw)) + raw
+
+
+def _fbx_text(nodes: list[_Element]) -> str:
+    pieces = []
+    for name, values, inside in nodes:
+        listed = ", ".join(_fbx_word(value) for value in values)
+        body = f" {{\n{_fbx_text(inside)}}}" if inside else ""
+        pieces.append(f"{name}: {listed}{body}\n")
+    return "".join(pieces)
+
+
+def _fbx_word(value: Any) -> str:
+    if isinstance(value, str):
+        return '"' + "::".join(reversed(value.split("\0\1"))).replace('"', "&quot;") + '"'
+    if isinstance(value, list):
+        return f"*{len(value)} {{ a: {','.join(map(repr, value))} }}"
+    return repr(value)
+
+
+FORMATS = {"fbx": _fbx, "bvh": _bvh, "amc": _acclaim, "gltf": _gltf, "glb": _glb}
 """What makes the files of each format."""

@@ -11,6 +11,7 @@ import numpy as np
 from tests.fuzz.grammar import Files
 
 import roundelay as rl
+from roundelay.formats import suffixes_of, writers
 from roundelay.formats.sane import fault_of
 
 __all__ = ["changed", "outcome"]
@@ -32,9 +33,14 @@ def outcome(files: Files) -> str:
         except Exception as error:
             return f"{type(error).__name__}: {error}"
         try:
-            return _came_back(motion, folder / f"again{path.suffix}")
+            return _came_back(motion, folder / f"again{_written(path.suffix)}")
         except Exception as error:
             return f"written again: {type(error).__name__}: {error}"
+
+
+def _written(suffix: str) -> str:
+    """Return the suffix of a file of the same kind that there is a writer of."""
+    return suffix if suffix in suffixes_of(writers) else ".glb"
 
 
 def _came_back(motion: rl.Motion, path: Path) -> str:

@@ -26,7 +26,7 @@ def files_of(seed: int, corpus: list[Files]) -> tuple[str, Files]:
     kind = list(FORMATS)[seed % len(FORMATS)]
     if seed // len(FORMATS) % 3 < 2:
         return "grammar", made(kind, seed)
-    files = corpus[seed // 12 % len(corpus)]
+    files = corpus[seed // (3 * len(FORMATS)) % len(corpus)]
     return "corpus", changed(files, seed, corpus)
 
 

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 import roundelay as rl
 from roundelay.cli import app
+from roundelay.formats import in_words, readers
 
 runner = CliRunner()
 
@@ -63,7 +64,7 @@ def test_what_cannot_make_a_library(shared, tmp_path):
     empty.mkdir()
     result = run("library", empty, "-o", tmp_path / "library")
     assert result.exit_code == 2
-    told = "expected BVH, AMC, GLB or GLTF files, found none"
+    told = f"expected {in_words(readers)} files, found none"
     assert result.stderr == f"roundelay: {empty}: {told}\n"
     still = run("library", shared / "still.bvh", "-o", tmp_path / "still", "--jobs", 1)
     assert still.exit_code == 3

@@ -181,6 +181,9 @@ def read_capture(path: Path, skeleton: Path | None, reading: ReadOptions) -> Mot
         suffix=reading.suffix,
         fill_gaps=reading.fill_gaps,
         max_gap=reading.max_gap,
+        animation=reading.animation,
+        character=reading.character,
+        salvage=reading.salvage,
     )
 
 

@@ -15,14 +15,18 @@ from roundelay.base.checks import as_path, expected
 from roundelay.base.errors import FormatError, RateAssumed, TooShort
 from roundelay.base.files import STANDARD_INPUT, name_of, unpacked
 from roundelay.base.texts import shown
+from roundelay.formats.contents import Contents
+from roundelay.formats.options import ReadOptions
 from roundelay.formats.points import motion_in_file
 from roundelay.formats.registry import (
+    ChoosingReader,
     PointsReader,
     Reader,
     SkeletonReader,
     Writer,
     besides_motion,
     checked_format,
+    contents_of,
     files_of,
     files_written,
     in_words,
@@ -41,12 +45,15 @@ from roundelay.motion.motion import Motion, checked_rate
 from roundelay.motion.points import Points
 
 __all__ = [
+    "ChoosingReader",
+    "Contents",
     "PointsReader",
     "Reader",
     "SkeletonReader",
     "Writer",
     "besides_motion",
     "checked_format",
+    "contents_of",
     "files_of",
     "files_written",
     "in_words",
@@ -69,14 +76,17 @@ def read(
     suffix: str | None = None,
     fill_gaps: bool = True,
     max_gap: float | None = None,
+    animation: str | None = None,
+    character: str | None = None,
+    salvage: bool = False,
 ) -> Motion:
     """Read a motion capture file, in the format its suffix names.
 
     Parameters
     ----------
     path : path-like
-        A ``.bvh``, ``.amc``, ``.glb`` or ``.gltf`` file, or one of a format that a plug-in reads;
-        ours may be packed, as ``.bvh.gz``, or come from standard input, ``-``.
+        A file of a format that is known, such as ``.bvh``, ``.fbx`` or ``.glb``; ours may be
+        packed, as ``.bvh.gz``, or come from standard input, ``-``.
     skeleton : path-like or Skeleton, optional
         For an AMC, its ASF or a skeleton read from one; looked for beside it by default.
     fps : float, optional
@@ -87,6 +97,12 @@ def read(
         Whether gaps of points are filled as the rest of the body tells; else by straight lines.
     max_gap : float, optional
         Longest gap in seconds that is filled so; all that can be predicted by default.
+    animation : str, optional
+        Which of several animations; the first that moves the skeleton by default.
+    character : str, optional
+        Which of several skeletons, by the name of its root.
+    salvage : bool
+        Keep the whole frames of a recording that was cut off.
 
     Returns
     -------
@@ -99,20 +115,22 @@ def read(
     FormatError
         If the file is of no known format, or not what its format says, with line and column.
     ValueError
-        If a skeleton is given for a file that holds its own, or the rate is not positive, or
-        beyond 10,000, or the longest gap is negative.
+        If a skeleton is given for a file that holds its own, or something is chosen that a format
+        has one of, or the rate is not positive, or beyond 10,000, or the longest gap is negative.
     OSError
         If the file cannot be read.
     """
     path = as_path(path)
     reader = reader_of(path, suffix)
     rate = None if fps is None else checked_rate(fps)
+    wanted = ReadOptions(animation=animation, character=character, salvage=salvage)
+    _check_choices(reader, wanted, path)
     with _rate_known(rate is not None):
         if isinstance(reader, PointsReader) and skeleton is None:
             points = reader.read_points(path)
             motion = motion_in_file(points, path, fill=fill_gaps, max_gap=max_gap)
         else:
-            motion = _read(reader, path, skeleton)
+            motion = _read(reader, path, skeleton, wanted)
     if rate is not None:
         motion = replace(motion, frame_time=1.0 / rate)
     fault = fault_of(motion)
@@ -164,7 +182,22 @@ def _rate_known(known: bool) -> Iterator[None]:
         yield
 
 
-def _read(reader: Reader, path: Path, skeleton: str | PathLike[str] | Skeleton | None) -> Motion:
+def _check_choices(reader: Reader, wanted: ReadOptions, path: Path) -> None:
+    known = reader.choices if isinstance(reader, ChoosingReader) else frozenset()
+    for choice in ("animation", "character", "salvage"):
+        if getattr(wanted, choice) and choice not in known:
+            told = f"{unpacked(path).name} is of a format without such a choice"
+            raise ValueError(f"expected no --{choice}: {told}")
+
+
+def _read(
+    reader: Reader,
+    path: Path,
+    skeleton: str | PathLike[str] | Skeleton | None,
+    wanted: ReadOptions,
+) -> Motion:
+    if isinstance(reader, ChoosingReader):
+        return reader.read(path, wanted)
     if skeleton is None:
         return reader.read(path)
     if not isinstance(reader, SkeletonReader):
@@ -173,7 +206,9 @@ def _read(reader: Reader, path: Path, skeleton: str | PathLike[str] | Skeleton |
 
 
 def _upright(motion: Motion) -> Motion:
-    """Find out which axis points up from some fifty poses."""
+    """Find out from some fifty poses which axis points up: Y or Z, unless the file says X."""
+    if motion.up == 0:
+        return motion
     spread = motion.at(np.linspace(0, len(motion) - 1, min(len(motion), 50)))
     up = vertical_axis(spread.positions(), motion.skeleton.size)
     return motion if up == motion.up else replace(motion, up=up)
@@ -184,7 +219,7 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
 
     A motion read from the same format is written with that file's channels. An AMC gets its
     ASF beside it, of the same name; in ``.glb`` and ``.gltf`` the vertical axis becomes Y, and
-    ``.fbx`` is not read. The file appears whole or not at all.
+    an FBX is read back with lengths in centimetres. The file appears whole or not at all.
 
     Raises
     ------

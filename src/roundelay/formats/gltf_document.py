@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
-from urllib.parse import unquote
+from urllib.parse import unquote, unquote_to_bytes
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 _MAGIC, _JSON, _BINARY = b"glTF", 0x4E4F534A, 0x004E4942
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_DATA_URI = re.compile(r"data:[^,]*;base64,", re.IGNORECASE)
+_DATA_URI = re.compile(r"data:[^,]*,", re.IGNORECASE)
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 _SHOWN = 40
 
@@ -278,7 +278,7 @@ class Document:
             return self.binary
         uri = buffer.get("uri")
         embedded = _DATA_URI.match(uri.text())
-        return _decoded(uri, embedded.end()) if embedded else _beside(uri, length)
+        return _decoded(uri, embedded, length) if embedded else _beside(uri, length)
 
 
 def _dtype(entry: Part) -> np.dtype[Any]:
@@ -299,9 +299,13 @@ def _as_numbers(entry: Part, rows: NDArray[Any]) -> Array:
     return values
 
 
-def _decoded(uri: Part, start: int) -> bytes:
+def _decoded(uri: Part, head: re.Match[str], length: int) -> bytes:
+    """Return so many bytes of a data URI, in base64 or with percent signs, or what there is."""
+    if not head.group().lower().endswith(";base64,"):
+        return unquote_to_bytes(uri.value[head.end() : head.end() + 3 * length])[:length]
     try:
-        return base64.b64decode(uri.value[start:], validate=True)
+        needed = -(-length // 3) * 4
+        return base64.b64decode(uri.value[head.end() : head.end() + needed], validate=True)
     except ValueError as error:
         raise uri.error("base64", str(error)) from None
 

@@ -1,53 +1,22 @@
-"""The keys of a glTF animation: what they hold, and the even times at which a motion has frames."""
+"""The keys of a glTF animation: what they hold, and what they show between."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.errors import RoundelayWarning
+from roundelay.formats.clock import NEAR, Clock
 from roundelay.formats.gltf_document import Document, Part
 from roundelay.geometry import rotations as rot
 
-__all__ = ["Clock", "Track", "common_clock", "read_track"]
+__all__ = ["Track", "read_track"]
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]
 
 _KINDS = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3"}
-# Frames a second: where keys tell none; what curves are sampled at, at least and at most.
-_USUAL, _SLOWEST, _FASTEST = 30.0, 24.0, 120.0
-# Steps by which a key may miss its frame, and by which a rate may miss a whole number.
-_NEAR, _WHOLE = 0.02, 1e-6
-# Times are numbers of 32 bits.
-_ROUNDING = 4 * float(np.finfo(np.float32).eps)
-# Gaps of more steps between keys do not tell the step well.
-_SHORT = 16
-# Parts into which the shortest gap is cut to find a step.
-_MOST_PARTS = 120
-# More frames than hours of capture have.
-_MOST_FRAMES = 1 << 22
-
-
-@dataclass(frozen=True)
-class Clock:
-    """Even times: those of the keys where they have some, and the seconds between them.
-
-    Parameters
-    ----------
-    times : (F,) ndarray
-        Seconds.
-    step : float
-        Seconds from one frame to the next.
-    """
-
-    times: Array
-    step: float
 
 
 @dataclass(frozen=True)
@@ -86,7 +55,7 @@ class Track:
             If a rotation vanishes between two keys.
         """
         keys, last = self.times, len(self.times) - 1
-        late = clock.times + _NEAR * clock.step
+        late = clock.times + NEAR * clock.step
         before = np.clip(np.searchsorted(keys, late, "right") - 1, 0, last)
         after = np.minimum(before + 1, last)
         gap = np.where(after > before, keys[after] - keys[before], 1.0)
@@ -143,88 +112,3 @@ def _units(values: Array, sampler: Part) -> Array:
     if np.any(np.linalg.norm(values, axis=1) == 0.0):
         raise sampler.error("quaternions of length 1", "one of length 0")
     return rot.normalize(values)
-
-
-def common_clock(tracks: Sequence[Track], animation: Part) -> Clock:
-    """Find times that go through all keys of all tracks.
-
-    Where every track has all keys, and values between them lie on straight lines, these are the
-    keys. Where keys lie on an even grid, it is that, made finer where curves would be lost. Else
-    there are 30 frames a second, and a warning.
-
-    Raises
-    ------
-    FormatError
-        If there would be millions of frames.
-    """
-    keys = _together([track.times for track in tracks])
-    if len(keys) == 1:
-        return Clock(keys, 1.0 / _USUAL)
-    plain = all(one.mode == "LINEAR" and len(one.times) == len(keys) for one in tracks)
-    grid = _fitted(keys, float(np.diff(keys).min()))
-    if not (plain and grid is not None and len(grid.frames) == grid.frames[-1] + 1):
-        grid = _fine_grid(keys)
-    if grid is None:
-        return _usual_clock(keys, animation)
-    _check_count(int(grid.frames[-1]), animation)
-    times = keys[0] + grid.step * np.arange(grid.frames[-1] + 1)
-    times[grid.frames] = keys
-    rate = 1.0 / grid.step
-    whole = abs(rate - round(rate)) <= _WHOLE * rate
-    return Clock(times, 1.0 / round(rate) if whole else grid.step)
-
-
-@dataclass(frozen=True)
-class _Grid:
-    """The frame of each key, and the seconds between frames."""
-
-    frames: NDArray[np.int64]
-    step: float
-
-
-def _together(times: Sequence[Array]) -> Array:
-    """Return all times, rising, those that only rounding parts as one."""
-    keys = np.unique(np.concatenate(times))
-    apart = np.diff(keys) > _ROUNDING * np.abs(keys).max()
-    return keys[np.concatenate([[True], apart])]
-
-
-def _fine_grid(keys: Array) -> _Grid | None:
-    """Return the coarsest grid through all keys that is fine enough for curves, if there is one."""
-    least = float(np.diff(keys).min())
-    for parts in range(1, _MOST_PARTS + 1):
-        if parts > (1.0 + _NEAR) * _FASTEST * least:
-            return None
-        grid = _fitted(keys, least / parts)
-        if grid is not None:
-            finer = max(1, ceil(_SLOWEST * grid.step - _NEAR))
-            return _Grid(grid.frames * finer, grid.step / finer)
-    return None
-
-
-def _fitted(keys: Array, step: float) -> _Grid | None:
-    """Return a grid of about this step whose frames the keys lie on, if they do."""
-    gaps = np.diff(keys)
-    short = gaps <= max(_SHORT * step, 2.0 * float(gaps.min()))
-    step = float(gaps[short].sum() / np.round(gaps[short] / step).sum())
-    numbers = np.round(gaps / step)
-    step = float((keys[-1] - keys[0]) / numbers.sum())
-    if step * _MOST_FRAMES < keys[-1] - keys[0] or numbers.min() < 1.0:
-        return None
-    frames = np.concatenate([[0], np.cumsum(numbers)]).astype(np.int64)
-    near = np.abs(keys - keys[0] - step * frames) <= _NEAR * step
-    return _Grid(frames, step) if near.all() else None
-
-
-def _usual_clock(keys: Array, animation: Part) -> Clock:
-    """Return 30 frames a second, and say so."""
-    text = f"keys at uneven times are sampled at {_USUAL:g} frames a second"
-    warnings.warn(f"{animation.path}: {text}", RoundelayWarning, stacklevel=2)
-    last = float(np.floor((keys[-1] - keys[0]) * _USUAL + _NEAR))
-    _check_count(last, animation)
-    return Clock(keys[0] + np.arange(int(last) + 1) / _USUAL, 1.0 / _USUAL)
-
-
-def _check_count(frames: float, animation: Part) -> None:
-    if frames >= _MOST_FRAMES:
-        raise animation.error(f"fewer than {_MOST_FRAMES} frames", f"{frames:.0f}")

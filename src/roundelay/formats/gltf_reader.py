@@ -1,12 +1,11 @@
 """Read glTF 2.0: the nodes of a skin as the skeleton, an animation at even times as the motion.
 
 Without a skin the skeleton is made of the nodes that the animation moves and what hangs on them.
-The nodes above it move its root. One scale for all axes is multiplied into the lengths below it.
+VRM files are glTF with a humanoid skeleton, VRMA files hold an animation of one.
 """
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,73 +13,84 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.errors import RoundelayWarning
+from roundelay.formats.clock import Clock, common_clock
+from roundelay.formats.contents import Contents
 from roundelay.formats.gltf_document import Document, Part, load
-from roundelay.formats.gltf_keys import Clock, Track, common_clock, read_track
-from roundelay.formats.moving import leave
-from roundelay.formats.sane import LARGEST, MOST_JOINTS, require_memory
+from roundelay.formats.gltf_keys import Track, read_track
+from roundelay.formats.nodes import Tree, called, different, listed, note
+from roundelay.formats.options import ReadOptions
+from roundelay.formats.posed import Chosen, check_proportion, even_scales, posed
 from roundelay.geometry import rotations as rot
-from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
 __all__ = ["GltfReader"]
 
 Array = NDArray[np.float64]
 
-# Poses of a joint for a byte of the file, and poses that any file may have.
-_PROPORTION, _FEW = 2, 1 << 22
-# Scales that differ by less, relatively, are one.
-_EVEN = 1e-3
 # What a writer of motions leaves out.
 _BESIDES = ("meshes", "cameras", "materials", "textures", "images")
 _MOVING = "an animation that moves the skeleton's nodes"
-# Names in a note.
-_NAMED = 8
 
 
 class GltfReader:
     """The reader of glTF files."""
 
     name = "gltf"
-    suffixes = (".glb", ".gltf")
+    suffixes = (".glb", ".gltf", ".vrm", ".vrma")
+    choices = frozenset({"animation", "character"})
 
-    def read(self, path: Path) -> Motion:
-        """Read a ``.glb`` or ``.gltf`` file.
+    def read(self, path: Path, wanted: ReadOptions | None = None) -> Motion:
+        """Read a ``.glb``, ``.gltf``, ``.vrm`` or ``.vrma`` file.
 
         Parameters
         ----------
         path : Path
+        wanted : ReadOptions, optional
+            Which animation and which skeleton.
 
         Returns
         -------
         Motion
-            The first animation that moves the skeleton; Y is up, lengths are those of the file. A
-            loop that ends with its first frame is given as it is.
+            The first animation that moves the skeleton, or the one that is wanted; Y is up,
+            lengths are those of the file. A loop that ends with its first frame is given as it is.
 
         Raises
         ------
         FormatError
-            If the file is not sound, or holds no animation of nodes.
+            If the file is not sound, or holds no animation of nodes, or not what is wanted.
         OSError
             If it cannot be read.
         """
+        wanted = wanted or ReadOptions()
         document = load(path)
+        parts = document.root.entries("nodes")
         tree = _read_tree(document)
-        skin = _joints_of_skin(document, tree)
-        animation = _first_moving(document, tree, skin)
+        skin = _joints_of_skin(document, tree, wanted.character)
+        animation = _animation(document, tree, skin, wanted.animation)
         tracks = _read_tracks(document, animation, tree)
         moving = {node for node, _ in tracks}
-        joints = _connected(tree, skin or _with_descendants(tree, moving), document.root)
+        joints = tree.connected(skin or tree.with_descendants(moving))
         above = list(tree.above(joints[0]))
-        nodes = {number: _read_node(tree, number) for number in [*above, *joints]}
-        joints, ends = _without_ends(tree, nodes, joints, moving)
+        nodes = {number: _read_node(parts[number]) for number in [*above, *joints]}
+        joints, ends = tree.without_ends(joints, moving)
         used = {key: track for key, track in tracks.items() if key[0] in nodes}
         if not used:
             raise animation.error(_MOVING, "none")
-        clock = common_clock(list(used.values()), animation)
-        _check_proportion(document, len(clock.times), len(joints))
-        placed = _Placed(tree, nodes, _scales(nodes, used), used, clock)
-        return _motion(placed, above, joints, ends, path.stem)
+        clock = _clock(tree, list(used.values()))
+        check_proportion(tree, len(clock.times), len(joints), document.loaded)
+        placed = _Placed(nodes, _scales(tree, nodes, used), used, clock)
+        return posed(tree, placed, Chosen(joints, ends), clock.step, path.stem)
+
+    def contents(self, path: Path) -> Contents:
+        """List the animations and skeletons of a file."""
+        document = load(path)
+        tree = _read_tree(document)
+        skins = _skins(document, tree)
+        roots = tree.roots(set().union(*skins)) if skins else {}
+        generator = document.root.get("asset").get("generator", "").text()
+        conventions = {"up": "Y", "unit": "1 m"} | ({"program": generator} if generator else {})
+        animations = document.root.entries("animations")
+        return Contents(_names(animations), tuple(roots), conventions)
 
     def besides_motion(self, path: Path) -> tuple[str, ...]:
         """Name what a file holds that its motion does not: see `Reader`."""
@@ -94,57 +104,31 @@ class GltfReader:
 class _Node:
     """A node at rest: its place on its parent, its rotation and its scale along three axes."""
 
-    part: Part
-    name: str
     place: Array
     turn: Array
     scale: Array
 
 
-@dataclass(frozen=True)
-class _Tree:
-    """The nodes, the parent of each (-1 for none), and an order with parents first."""
-
-    nodes: list[Part]
-    parents: list[int]
-    order: list[int]
-
-    def above(self, node: int) -> Iterator[int]:
-        """Return the nodes above one, from the top."""
-        chain = []
-        while (node := self.parents[node]) >= 0:
-            chain.append(node)
-        return reversed(chain)
-
-
-def _read_tree(document: Document) -> _Tree:
+def _read_tree(document: Document) -> Tree:
     parts = document.root.entries("nodes")
     if not parts:
         raise document.root.error("nodes", "none")
-    parents, children = [-1] * len(parts), []
+    parents = [-1] * len(parts)
     for number, part in enumerate(parts):
-        children.append([x.whole(most=len(parts) - 1) for x in part.entries("children")])
-        for child in children[-1]:
+        for child in (x.whole(most=len(parts) - 1) for x in part.entries("children")):
             if parents[child] >= 0:
                 raise part.error(f"children without another parent, node {child} has one", "two")
             parents[child] = number
-    order = [node for node, parent in enumerate(parents) if parent < 0]
-    for node in order:  # it grows
-        order.extend(children[node])
-    if len(order) < len(parts):
-        circle = min(set(range(len(parts))) - set(order))
-        raise parts[circle].error("a tree of nodes", "a node below itself")
-    return _Tree(parts, parents, order)
+    names = [part.get("name", "").text() or f"node{n}" for n, part in enumerate(parts)]
+    return Tree.of(document.root.path, names, parents)
 
 
-def _read_node(tree: _Tree, number: int) -> _Node:
-    part = tree.nodes[number]
-    name = part.get("name", "").text() or f"node{number}"
+def _read_node(part: Part) -> _Node:
     if part.has("matrix"):
-        return _Node(part, name, *_parts_of_matrix(part.get("matrix")))
+        return _Node(*_parts_of_matrix(part.get("matrix")))
     turn = _unit(part.get("rotation", [0, 0, 0, 1]))
     place = part.get("translation", [0, 0, 0]).numbers(3)
-    return _Node(part, name, place, turn, part.get("scale", [1, 1, 1]).numbers(3))
+    return _Node(place, turn, part.get("scale", [1, 1, 1]).numbers(3))
 
 
 def _unit(part: Part) -> Array:
@@ -166,43 +150,67 @@ def _parts_of_matrix(part: Part) -> tuple[Array, Array, Array]:
     return matrix[:3, 3], turn, side * np.linalg.norm(matrix[:3, :3], axis=0)
 
 
-def _joints_of_skin(document: Document, tree: _Tree) -> set[int]:
-    """Return the joints of the skin with the most of them; none where there is no skin."""
-    skins = document.root.entries("skins")
-    most = len(tree.nodes) - 1
+def _skins(document: Document, tree: Tree) -> list[set[int]]:
+    """Return the joints of each skin."""
+    skins, most = document.root.entries("skins"), len(tree.parents) - 1
     sets = [{joint.whole(most=most) for joint in skin.entries("joints")} for skin in skins]
     for skin, joints in zip(skins, sets, strict=True):
         if not joints:
             raise skin.error("a skin with joints", "none")
+    return sets
+
+
+def _joints_of_skin(document: Document, tree: Tree, character: str | None) -> set[int]:
+    """Return the joints of the largest skin, or of the character; none where there is no skin."""
+    sets = _skins(document, tree)
+    if character is not None:
+        every = set().union(*sets)
+        roots = tree.roots(every)
+        number = called("a skeleton (--character)", list(roots), character, tree.path)
+        below = tree.with_descendants({list(roots.values())[number]})
+        return every & below
     chosen = max(sets, key=len, default=set())
     others = [joints for joints in sets if not joints <= chosen]
-    if others:
-        _note(document.root, f"the largest of {len(sets)} skins is read, the others left out")
+    joined = _joined(tree, chosen, others) if others else chosen
+    if joined is not None:
+        return joined
+    told = f"the largest of {len(sets)} skins is read, the others left out"
+    note(tree.path, f"{told} (--character names another)")
     return chosen
 
 
-def _first_moving(document: Document, tree: _Tree, skin: set[int]) -> Part:
-    """Return the first animation that moves the skeleton, or what is above it."""
-    animations = document.root.entries("animations")
-    if not animations:
-        raise document.root.error("an animation", "none")
-    below = _counted(tree, skin)
-    for animation in animations:
-        moved = {node for node, _, _ in _channels(document, animation)}
-        if any(below[node] or not skin for node in moved):
-            others = [_called(other) for other in animations if other is not animation]
-            if others:
-                _note(document.root, f"{_called(animation)} is read, not {_listed(others)}")
-            return animation
-    raise animations[0].error(_MOVING, "none")
+def _joined(tree: Tree, chosen: set[int], others: list[set[int]]) -> set[int] | None:
+    """Return the joints of all skins if they are those of one body: of one tree of joints."""
+    every = chosen.union(*others)
+    return every if len(tree.roots(every)) <= len(tree.roots(chosen)) else None
+
+
+def _names(animations: list[Part]) -> tuple[str, ...]:
+    return different([_called(animation) for animation in animations])
 
 
 def _called(animation: Part) -> str:
-    return f"animation {animation.get('name', '').text() or animation.place!r}"
+    return animation.get("name", "").text() or animation.place
 
 
-def _listed(names: list[str]) -> str:
-    return ", ".join(names[:_NAMED]) + (", ..." if len(names) > _NAMED else "")
+def _animation(document: Document, tree: Tree, skin: set[int], wanted: str | None) -> Part:
+    """Return the animation that is wanted, or the first that moves the skeleton."""
+    animations = document.root.entries("animations")
+    if not animations:
+        raise document.root.error("an animation", "none")
+    if wanted is not None:
+        names = _names(animations)
+        return animations[called("an animation (--animation)", names, wanted, tree.path)]
+    below = tree.counted(skin)
+    for animation in animations:
+        moved = {node for node, _, _ in _channels(document, animation)}
+        if any(below[node] or not skin for node in moved):
+            others = [repr(_called(other)) for other in animations if other is not animation]
+            if others:
+                told = f"animation {_called(animation)!r} is read, not {listed(others)}"
+                note(tree.path, f"{told} (--animation names another)")
+            return animation
+    raise animations[0].error(_MOVING, "none")
 
 
 def _channels(document: Document, animation: Part) -> Iterator[tuple[int, str, Part]]:
@@ -215,7 +223,7 @@ def _channels(document: Document, animation: Part) -> Iterator[tuple[int, str, P
             yield target.get("node").whole(most=most), kind, channel
 
 
-def _read_tracks(document: Document, animation: Part, tree: _Tree) -> dict[tuple[int, str], Track]:
+def _read_tracks(document: Document, animation: Part, tree: Tree) -> dict[tuple[int, str], Track]:
     samplers = animation.entries("samplers")
     tracks: dict[tuple[int, str], Track] = {}
     rows = 0
@@ -225,116 +233,29 @@ def _read_tracks(document: Document, animation: Part, tree: _Tree) -> dict[tuple
         number = channel.get("sampler").whole(most=len(samplers) - 1)
         tracks[node, kind] = read_track(document, samplers[number], kind)
         rows += len(tracks[node, kind].times)
-        _check_proportion(document, 1, rows)
+        check_proportion(tree, 1, rows, document.loaded)
     return tracks
 
 
-def _counted(tree: _Tree, chosen: set[int]) -> list[int]:
-    """Count for every node the chosen ones among it and those below it."""
-    below = [int(node in chosen) for node in range(len(tree.nodes))]
-    for node in reversed(tree.order):
-        if tree.parents[node] >= 0:
-            below[tree.parents[node]] += below[node]
-    return below
+def _clock(tree: Tree, tracks: list[Track]) -> Clock:
+    straight = all(track.mode == "LINEAR" for track in tracks)
+    return common_clock([track.times for track in tracks], tree.path, straight=straight)
 
 
-def _with_descendants(tree: _Tree, nodes: set[int]) -> set[int]:
-    found = set(nodes)
-    for node in tree.order:
-        if tree.parents[node] in found:
-            found.add(node)
-    return found
-
-
-def _connected(tree: _Tree, chosen: set[int], root: Part) -> list[int]:
-    """Return chosen nodes and those that join them, parents first, in the file's order if it can.
-
-    Of several trees the one with the most of them is taken.
-    """
-    below = _counted(tree, chosen)
-    tops = [node for node in tree.order if tree.parents[node] < 0 and below[node]]
-    top = max(tops, key=lambda node: below[node])
-    if len(tops) > 1:
-        _note(root, f"of {len(tops)} trees of joints, that below {tree.nodes[top].place} is read")
-    joints = [_lowest_above_all(tree, chosen, below, top)]
-    inside = set(joints)
-    for node in tree.order:
-        if tree.parents[node] in inside and below[node]:
-            inside.add(node)
-            joints.append(node)
-    return _in_order(tree, joints, root)
-
-
-def _lowest_above_all(tree: _Tree, chosen: set[int], below: list[int], top: int) -> int:
-    """Return the lowest node that has all chosen ones of a tree at or below it."""
-    lowest = top
-    for node in tree.order:
-        if lowest in chosen:
-            break
-        if tree.parents[node] == lowest and below[node] == below[top]:
-            lowest = node
-    return lowest
-
-
-def _in_order(tree: _Tree, joints: list[int], root: Part) -> list[int]:
-    if len(joints) > MOST_JOINTS:
-        raise root.error(f"at most {MOST_JOINTS} joints", str(len(joints)))
-    by_number = sorted(joints)
-    first = by_number[0] == joints[0]
-    ordered = first and all(tree.parents[node] < node for node in by_number[1:])
-    return by_number if ordered else joints
-
-
-def _without_ends(
-    tree: _Tree, nodes: dict[int, _Node], joints: list[int], moving: set[int]
-) -> tuple[list[int], list[tuple[int, int]]]:
-    """Part the joints from the ends of limbs: NAME_end below NAME, which never moves.
-
-    Ends come with the joints that they hang on.
-    """
-    parents = {tree.parents[joint] for joint in joints}
-    fixed = [joint for joint in joints[1:] if joint not in parents | moving]
-    ends = [
-        (tree.parents[joint], joint)
-        for joint in fixed
-        if nodes[joint].name == f"{nodes[tree.parents[joint]].name}_end"
-    ]
-    left_out = {end for _, end in ends}
-    return [joint for joint in joints if joint not in left_out], ends
-
-
-def _scales(nodes: dict[int, _Node], tracks: dict[tuple[int, str], Track]) -> dict[int, float]:
-    """Return the one scale of every node; 1, with a note, where there is none."""
-    scales, odd = {}, []
+def _scales(
+    tree: Tree, nodes: dict[int, _Node], tracks: dict[tuple[int, str], Track]
+) -> dict[int, float]:
+    shown = {}
     for number, node in nodes.items():
         track = tracks.get((number, "scale"))
-        shown = node.scale if track is None else track.shown
-        largest = float(shown.max())
-        even = float(np.ptp(shown)) <= _EVEN * largest and largest > 0.0
-        scales[number] = float(shown.mean()) if even else 1.0
-        if not even:
-            odd.append(node)
-    if odd:
-        text = "scales that change, or are not one for all axes, are left out"
-        _note(odd[0].part, f"{text}: of {_listed([node.name for node in odd])}")
-    return scales
-
-
-def _check_proportion(document: Document, frames: int, joints: int) -> None:
-    """Refuse a motion out of proportion to its file."""
-    if frames * joints > _PROPORTION * document.loaded + _FEW:
-        raise document.root.error(
-            "keys on most of the joints",
-            f"{frames} frames of {joints} joints in {document.loaded} bytes",
-        )
-    require_memory(frames, joints)
+        shown[number] = node.scale if track is None else track.shown
+    return even_scales(tree, shown)
 
 
 @dataclass(frozen=True)
 class _Placed:
     """Give every node's place and rotation on its parent: at rest, then in every frame."""
 
-    tree: _Tree
     nodes: dict[int, _Node]
     scales: dict[int, float]
     tracks: dict[tuple[int, str], Track]
@@ -346,75 +267,10 @@ class _Placed:
     def turns(self, node: int) -> Array:
         return self._rows(node, "rotation", self.nodes[node].turn)
 
+    def scale(self, node: int) -> float:
+        return self.scales[node]
+
     def _rows(self, node: int, kind: str, rest: Array) -> Array:
         track, count = self.tracks.get((node, kind)), len(self.clock.times)
         moved = np.tile(rest, (count, 1)) if track is None else track.at(self.clock)
         return np.vstack([rest, moved])
-
-
-def _motion(
-    placed: _Placed, above: list[int], joints: list[int], ends: list[tuple[int, int]], name: str
-) -> Motion:
-    tree, number = placed.tree, {joint: n for n, joint in enumerate(joints)}
-    root, turn, factor = _root(placed, [*above, joints[0]])
-    factors = {joints[0]: factor}
-    rows = [root]
-    for joint in joints[1:]:
-        parent = tree.parents[joint]
-        factors[joint] = _product(placed, joint, factors[parent])
-        rows.append(factors[parent] * placed.places(joint))
-    places = np.stack(rows, axis=1)
-    turns = np.stack([turn, *(placed.turns(joint) for joint in joints[1:])], axis=1)
-    parents = (-1, *(number[tree.parents[joint]] for joint in joints[1:]))
-    tips = tuple((number[on], factors[on] * placed.nodes[end].place) for on, end in ends)
-    names = _different([placed.nodes[joint].name for joint in joints])
-    skeleton = Skeleton(names, parents, places[1], tips)
-    offsets, moved = _offsets(places, skeleton.size)
-    skeleton = Skeleton(names, parents, offsets, tips)
-    translations = places[1:] if moved else None
-    return Motion(skeleton, turns[1:], places[1:, 0], placed.clock.step, translations, name)
-
-
-def _root(placed: _Placed, chain: list[int]) -> tuple[Array, Array, float]:
-    """Return place and rotation in the world of the last of a chain, and the scale below it."""
-    place, turn, factor = np.zeros(3), rot.identity(), 1.0
-    for node in chain:
-        place = place + rot.rotate(turn, factor * placed.places(node))
-        turn = rot.multiply(turn, placed.turns(node))
-        factor = _product(placed, node, factor)
-    return place, turn, factor
-
-
-def _product(placed: _Placed, node: int, above: float) -> float:
-    # Scales are multiplied down the tree.
-    product = above * placed.scales[node]
-    if not 1.0 / LARGEST < product < LARGEST:
-        raise placed.nodes[node].part.error("a scale that leaves lengths", f"{product:g}")
-    return product
-
-
-def _offsets(places: Array, size: float) -> tuple[Array, bool]:
-    """Return the joints' offsets of places (1 + F, J, 3), and whether any moves away from its own.
-
-    A joint that stands still has the place where it stands, another that at rest, if it has one.
-    """
-    still = ~leave(places[1:], places[1], size) | ~np.any(places[0], axis=1)
-    offsets = np.where(still[:, None], places[1], places[0])
-    offsets[0] = places[0, 0]
-    return offsets, bool(leave(places[1:, 1:], offsets[1:], size).any())
-
-
-def _different(names: list[str]) -> tuple[str, ...]:
-    """Return names, each with a number behind it that an earlier one has already."""
-    found: dict[str, None] = {}
-    for name in names:
-        number, unlike = 1, name
-        while unlike in found:
-            number += 1
-            unlike = f"{name}_{number}"
-        found[unlike] = None
-    return tuple(found)
-
-
-def _note(part: Part, text: str) -> None:
-    warnings.warn(f"{part.path}: {text}", RoundelayWarning, stacklevel=2)

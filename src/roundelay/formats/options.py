@@ -25,6 +25,12 @@ class ReadOptions(Checked):
         Whether gaps of points are filled as the rest of the body tells.
     max_gap : float, optional
         Longest gap that is filled so, in seconds; all that can be predicted by default.
+    animation : str, optional
+        Which of several animations; the first that moves the skeleton by default.
+    character : str, optional
+        Which of several skeletons, by the name of its root.
+    salvage : bool
+        Keep the whole frames of a recording that was cut off.
     """
 
     title: ClassVar[str] = "What is said of a capture"
@@ -50,4 +56,17 @@ class ReadOptions(Checked):
         "Longest gap to fill; all that can be predicted by default.",
         unit="seconds",
         least=0,
+    )
+    animation: str | None = option(
+        None,
+        "Which of several animations is read, as `roundelay info` lists them; by default the first "
+        "that moves the skeleton.",
+    )
+    character: str | None = option(
+        None,
+        "Which of several skeletons is read, by the name of its root, as `roundelay info` lists "
+        "them.",
+    )
+    salvage: bool = option(
+        False, "Keep the whole frames of a recording that was cut off, and leave the rest out."
     )

@@ -18,14 +18,18 @@ from roundelay.formats.acclaim_writer import AmcWriter
 from roundelay.formats.amc import AmcReader
 from roundelay.formats.bvh import BvhReader
 from roundelay.formats.bvh_writer import BvhWriter
+from roundelay.formats.contents import Contents
+from roundelay.formats.fbx_reader import FbxReader
 from roundelay.formats.fbx_writer import FbxWriter
 from roundelay.formats.gltf import GltfWriter
 from roundelay.formats.gltf_reader import GltfReader
+from roundelay.formats.options import ReadOptions
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 from roundelay.motion.points import Points
 
 __all__ = [
+    "ChoosingReader",
     "PointsReader",
     "Reader",
     "SkeletonReader",
@@ -33,6 +37,7 @@ __all__ = [
     "Writer",
     "besides_motion",
     "checked_format",
+    "contents_of",
     "files_of",
     "files_written",
     "in_words",
@@ -126,6 +131,34 @@ class PointsReader(Reader, Protocol):
         ...
 
 
+@runtime_checkable
+class ChoosingReader(Reader, Protocol):
+    """Read the files of a format that may hold several motions or skeletons, or be mended.
+
+    `choices` names the fields of `ReadOptions` that it obeys, among "animation", "character" and
+    "salvage".
+    """
+
+    @property
+    def choices(self) -> frozenset[str]:
+        """The fields of `ReadOptions` that it obeys."""
+        ...
+
+    def read(self, path: Path, wanted: ReadOptions | None = None) -> Motion:
+        """Read a file, and of several motions or skeletons what is wanted."""
+        ...
+
+    def contents(self, path: Path) -> Contents:
+        """List what a file holds.
+
+        Raises
+        ------
+        FormatError
+            If the file is not sound.
+        """
+        ...
+
+
 class Writer(Suffixed, Protocol):
     """Write the files of one format.
 
@@ -155,6 +188,7 @@ readers: Registry[Reader] = Registry("reader", "roundelay.readers", Reader)
 readers.add(BvhReader())
 readers.add(AmcReader())
 readers.add(GltfReader())
+readers.add(FbxReader())
 
 writers: Registry[Writer] = Registry("writer", "roundelay.writers", Writer)
 writers.add(BvhWriter())
@@ -210,6 +244,20 @@ def besides_motion(path: Path) -> tuple[str, ...]:
     """
     named = getattr(reader_of(path), "besides_motion", None)
     return () if named is None else tuple(named(path))
+
+
+def contents_of(path: Path, suffix: str | None = None) -> Contents:
+    """List what a file holds to choose from; nothing where its format has one motion a file.
+
+    Raises
+    ------
+    FormatError
+        If no reader knows the suffix, or the file is not sound.
+    OSError
+        If it cannot be read.
+    """
+    reader = reader_of(path, suffix)
+    return reader.contents(path) if isinstance(reader, ChoosingReader) else Contents()
 
 
 def writer_of(path: Path) -> Writer:

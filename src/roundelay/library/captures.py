@@ -8,9 +8,16 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from roundelay.base.files import unpacked
-from roundelay.formats import in_words, readers, suffixes_of, writers
+from roundelay.formats import in_words, readers, suffixes_of
 from roundelay.library.log import LOG
 from roundelay.library.sealed import SEAL
+
+# Formats of motion, whether there is a reader of them or not.
+_OTHERS = {
+    *(".abc", ".anim", ".bip", ".blend", ".bvh", ".amc", ".c3d", ".dae", ".fbx", ".gltf", ".glb"),
+    *(".hanim", ".htr", ".ma", ".mb", ".mot", ".mvn", ".mvnx", ".sto", ".tak", ".trc"),
+    *(".uasset", ".usd", ".usda", ".usdc", ".usdz", ".vmd", ".vrm", ".vrma"),
+}
 
 __all__ = ["LOOPS", "files_not_read", "find_captures"]
 
@@ -79,8 +86,8 @@ def _is_library(folder: Path, files: Sequence[str]) -> bool:
 
 
 def files_not_read(folder: Path) -> list[Path]:
-    """List the files below a folder that are of a format which is written but not read."""
-    suffixes = set(suffixes_of(writers)) - set(suffixes_of(readers))
+    """List the files below a folder that hold motion, by their suffix, and have no reader."""
+    suffixes = _OTHERS - set(suffixes_of(readers))
     return sorted(_below(folder, suffixes, []))
 
 

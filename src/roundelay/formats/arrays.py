@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import io
 import math
+import tokenize
 import zipfile
 import zlib
 from pathlib import Path
@@ -29,6 +30,8 @@ __all__ = ["NpyReader", "NpzReader", "NpzWriter"]
 
 # Of any array of a file, and letters of an array's heading.
 _MOST_BYTES, _LONGEST_HEADING = 1 << 31, 10_000
+# What NumPy raises at a heading that is none.
+_UNREADABLE = (ValueError, TypeError, SyntaxError, MemoryError, RecursionError, tokenize.TokenError)
 _LAST_LETTER = 0x10FFFF
 _KINDS = {"positions": "fiu", "fps": "fiu", "missing": "b", "residuals": "f", "likelihoods": "f"}
 _KINDS |= {"names": "U", "units": "U", "image": "b", "links": "iu", "name": "U"}
@@ -123,7 +126,7 @@ def _array(path: Path, data: bytes, name: str) -> NDArray[Any]:
         version = npy.read_magic(file)
         read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
         shape, by_column, dtype = read(file, max_header_size=_LONGEST_HEADING)
-    except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError, UnicodeError) as error:
+    except _UNREADABLE as error:
         told = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise FormatError(f"expected an array {name!r}, found: {told}", path=path) from None
     if dtype.kind not in _KINDS[name] or not dtype.itemsize:

@@ -89,12 +89,11 @@ class C3dReader:
         missing, residuals = _seen(places, words, abs(scale))
         names = _names(file)
         kept = _kept(file, names, np.logical_not(missing.all(axis=0)), notes)
-        rate = file.number("POINT", "RATE", file.header.rate)
         return made(
             path,
             [names[point] for point in kept],
             places[:, kept],
-            rate,
+            _rate(file),
             notes=notes,
             missing=missing[:, kept],
             residuals=residuals[:, kept] if residuals.any() else None,
@@ -203,6 +202,11 @@ def _seen(places: Array, words: Array, scale: float) -> tuple[NDArray[np.bool_],
     return missing, words if fractions else (whole & 0xFF).astype(float) * scale
 
 
+def _rate(file: C3dFile) -> float:
+    """Return frames a second: the number of fewest digits that is the same in single precision."""
+    return float(str(np.float32(file.number("POINT", "RATE", file.header.rate))))
+
+
 def _names(file: C3dFile) -> list[str]:
     labels = file.texts("POINT", "LABELS")[: file.header.points]
     return list(distinct([*labels, *[""] * (file.header.points - len(labels))]))
@@ -284,7 +288,7 @@ def _analog(file: C3dFile, frames: int, scale: float) -> Analog | None:
     return Analog(
         distinct([*labels, *[""] * (count - len(labels))], "channel"),
         (*units, *[""] * (count - len(units))),
-        file.number("POINT", "RATE", header.rate) * per_frame,
+        _rate(file) * per_frame,
         _in_units(file, samples.reshape(frames * per_frame, count), unsigned),
     )
 

@@ -19,6 +19,7 @@ from roundelay.base.errors import FormatError, TooLarge
 
 __all__ = [
     "STANDARD_INPUT",
+    "beginning",
     "content",
     "fitting",
     "flushed",
@@ -94,6 +95,24 @@ def content(path: Path) -> bytes:
     try:
         with gzip.open(path) as file:
             return _bounded(file.read(_MOST + 1))
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise FormatError(f"expected a whole gzip file, found: {error}", path=path) from None
+
+
+def beginning(path: Path, most: int = 1 << 16) -> bytes:
+    """Return the first bytes of a file, unpacked if it is a ``.gz``.
+
+    Raises
+    ------
+    FormatError
+        If it is a pipe or a device, or is packed and not whole.
+    OSError
+        If it cannot be read.
+    """
+    _refuse_special(path)
+    try:
+        with gzip.open(path) if path.suffix.lower() == ".gz" else path.open("rb") as file:
+            return file.read(most)
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise FormatError(f"expected a whole gzip file, found: {error}", path=path) from None
 

@@ -127,9 +127,9 @@ def _read_all(source: Path, reading: ReadOptions) -> list[_Checked]:
 
     if not source.is_dir():
         return [_read(source, reading)]
-    found, faults = find_captures([source.resolve()])
-    paths = {source / name for name in found}
-    unread = [_Checked(Path(fault.filename), error=in_one_line(fault)) for fault in faults]
+    found = find_captures([source.resolve()])
+    paths = {source / name for name in found.captures}
+    unread = [_Checked(Path(fault.filename), error=in_one_line(fault)) for fault in found.faults]
     return unread + [_read(path, reading) for path in sorted(paths) if not _made_of(path, paths)]
 
 

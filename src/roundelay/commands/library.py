@@ -148,6 +148,10 @@ def _print_summary(made: Library, folder: Path, seconds: float) -> None:
         f"{folder}: clips: {counts['clips']}, loops: {counts['loops']}, "
         f"groups: {counts['groups']}, refused: {counts['refused']}; {seconds:.1f} s"
     )
+    passed = made.record.get("passed_over", {})
+    if passed:
+        told = ", ".join(f"{count} {kind}" for kind, count in passed.items())
+        echo(f"  passed over, no captures: {told}")
     largest = sorted(made.record["groups"], key=lambda group: -group["cycles"])[:10]
     for group in largest:
         echo(

@@ -11,6 +11,7 @@ from __future__ import annotations
 import io
 import math
 import tokenize
+import warnings
 import zipfile
 import zlib
 from pathlib import Path
@@ -20,9 +21,10 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from roundelay.base.errors import FormatError
-from roundelay.base.files import content, name_of, written_beside
+from roundelay.base.errors import FormatError, TooLarge
+from roundelay.base.files import beginning, content, name_of, written_beside
 from roundelay.formats.point_files import Notes, checked_size, made, plain, rate_assumed
+from roundelay.formats.points import ReadsPoints, WritesPoints
 from roundelay.formats.text import shown
 from roundelay.motion.points import Points
 
@@ -37,7 +39,7 @@ _KINDS = {"positions": "fiu", "fps": "fiu", "missing": "b", "residuals": "f", "l
 _KINDS |= {"names": "U", "units": "U", "image": "b", "links": "iu", "name": "U"}
 
 
-class NpzReader:
+class NpzReader(ReadsPoints):
     """The reader of NPZ files."""
 
     name = "npz"
@@ -66,8 +68,22 @@ class NpzReader:
             raise FormatError("expected an array 'positions', found none", path=path)
         return _points(path, arrays)
 
+    def claims(self, path: Path) -> bool:
+        """Tell whether an NPZ holds positions.
 
-class NpyReader:
+        Raises
+        ------
+        OSError
+            If it cannot be read.
+        """
+        try:
+            with zipfile.ZipFile(io.BytesIO(content(path))) as archive:
+                return "positions.npy" in archive.namelist()
+        except (zipfile.BadZipFile, FormatError, TooLarge):
+            return False
+
+
+class NpyReader(ReadsPoints):
     """The reader of NPY files: positions (F, J, 2 or 3) without names or rate."""
 
     name = "npy"
@@ -93,6 +109,20 @@ class NpyReader:
             If it cannot be read.
         """
         return _points(path, {"positions": _array(path, content(path), "positions")})
+
+    def claims(self, path: Path) -> bool:
+        """Tell whether an array can be positions.
+
+        Raises
+        ------
+        OSError
+            If it cannot be read.
+        """
+        try:
+            shape, _, dtype = _heading(path, io.BytesIO(beginning(path)), "positions")
+        except FormatError:
+            return False
+        return dtype.kind in "fiu" and len(shape) == 3 and shape[2] in (2, 3)
 
 
 def _arrays(path: Path, data: bytes) -> dict[str, NDArray[Any]]:
@@ -122,13 +152,7 @@ def _unpacked(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
 def _array(path: Path, data: bytes, name: str) -> NDArray[Any]:
     """Return the array in the bytes of an NPY; no memory is taken for what is not there."""
     file = io.BytesIO(data)
-    try:
-        version = npy.read_magic(file)
-        read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-        shape, by_column, dtype = read(file, max_header_size=_LONGEST_HEADING)
-    except _UNREADABLE as error:
-        told = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise FormatError(f"expected an array {name!r}, found: {told}", path=path) from None
+    shape, by_column, dtype = _heading(path, file, name)
     if dtype.kind not in _KINDS[name] or not dtype.itemsize:
         kinds = {"U": "text", "b": "bool"}.get(_KINDS[name], "numbers")
         found = f"expected {name!r} of {kinds}, found {dtype}"
@@ -139,6 +163,21 @@ def _array(path: Path, data: bytes, name: str) -> NDArray[Any]:
         raise FormatError(found, path=path)
     values = np.frombuffer(data, dtype, offset=file.tell())
     return values.reshape(shape, order="F" if by_column else "C")
+
+
+def _heading(
+    path: Path, file: io.BytesIO, name: str
+) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    """Return shape, order and type of an array."""
+    try:
+        version = npy.read_magic(file)
+        read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that a heading looks old
+            return read(file, max_header_size=_LONGEST_HEADING)
+    except _UNREADABLE as error:
+        told = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise FormatError(f"expected an array {name!r}, found: {told}", path=path) from None
 
 
 def _points(path: Path, arrays: dict[str, NDArray[Any]]) -> Points:
@@ -201,7 +240,7 @@ def _refuse(path: Path, name: str, expected: str, found: str) -> NoReturn:
     raise FormatError(f"expected {name!r} {expected}, found {shown(found)}", path=path)
 
 
-class NpzWriter:
+class NpzWriter(WritesPoints):
     """The writer of NPZ files."""
 
     name = "npz"

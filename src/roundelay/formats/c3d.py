@@ -18,6 +18,7 @@ from roundelay.base.files import content
 from roundelay.formats.analog import Analog, Plate
 from roundelay.formats.c3d_parameters import BLOCK, C3dFile, decoded_reals, open_file
 from roundelay.formats.point_files import Notes, checked_size, distinct, made, of_one_body, plain
+from roundelay.formats.points import ReadsPoints
 from roundelay.motion.points import Points
 
 __all__ = ["C3dLayout", "C3dReader"]
@@ -53,7 +54,7 @@ class C3dLayout:
     screen: tuple[str, str] | None = None
 
 
-class C3dReader:
+class C3dReader(ReadsPoints):
     """The reader of C3D files."""
 
     name = "c3d"
@@ -98,8 +99,15 @@ class C3dReader:
             missing=missing[:, kept],
             residuals=residuals[:, kept] if residuals.any() else None,
             units=_unit(file),
+            up=_up(file),
             layout=_layout(file, frames, scale),
         )
+
+    def besides_motion(self, path: Path) -> tuple[str, ...]:
+        """Name what a file holds that its motion does not: see `Reader`."""
+        file = open_file(path, content(path), Notes(path))
+        found = {"analog channels": file.header.samples, "outputs of a model": _outputs(file)}
+        return tuple(what for what, held in found.items() if held)
 
 
 def _without_points(file: C3dFile) -> FormatError:
@@ -215,6 +223,12 @@ def _names(file: C3dFile) -> list[str]:
 def _unit(file: C3dFile) -> str:
     told = next(iter(file.texts("POINT", "UNITS")), "").strip().lower()
     return "m" if told.startswith("met") else told
+
+
+def _up(file: C3dFile) -> int | None:
+    """Return the axis that points up on the screen of the laboratory."""
+    told = "".join(file.texts("POINT", "Y_SCREEN"))
+    return {"+X": 0, "+Y": 1, "+Z": 2}.get(told.strip().upper())
 
 
 def _kept(file: C3dFile, names: list[str], seen: NDArray[np.bool_], notes: Notes) -> list[int]:

@@ -16,6 +16,7 @@ from roundelay.formats.analog import Analog, Plate
 from roundelay.formats.c3d import C3dLayout
 from roundelay.formats.c3d_parameters import BLOCK
 from roundelay.formats.point_files import in_space
+from roundelay.formats.points import WritesPoints
 from roundelay.motion.points import Points
 
 __all__ = ["C3dWriter"]
@@ -30,7 +31,7 @@ _LONGEST = 32000
 _LEAST = 2e-38
 
 
-class C3dWriter:
+class C3dWriter(WritesPoints):
     """The writer of C3D files."""
 
     name = "c3d"

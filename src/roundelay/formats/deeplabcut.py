@@ -38,7 +38,7 @@ def read_deeplabcut(source: Source) -> Points:
     places = table.values[:, columns]
     notes = Notes(path)
     seen = np.asarray(np.isfinite(places[..., :2]).all(axis=2).any(axis=0)).tolist()
-    kept = of_one_body(names, seen, notes)
+    kept = of_one_body(names, seen, notes, least=1)
     likelihoods = np.nan_to_num(places[:, kept, 2]) if places.shape[2] == 3 else None
     return made(
         path,

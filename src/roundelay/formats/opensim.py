@@ -16,6 +16,7 @@ import numpy as np
 from roundelay.base.errors import FormatError
 from roundelay.formats import text
 from roundelay.formats.point_files import Notes, checked_size, made, plain, rate_assumed
+from roundelay.formats.points import ReadsPoints
 from roundelay.formats.tables import line_end, rate_of, read_table
 from roundelay.formats.text import Source
 from roundelay.motion.points import Points
@@ -31,7 +32,7 @@ _NAMED = 4
 _LONGEST = 1000
 
 
-class OpenSimReader:
+class OpenSimReader(ReadsPoints):
     """The reader of STO and MOT files."""
 
     name = "opensim"

@@ -19,10 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.base.errors import FormatError
+from roundelay.base.files import beginning
 from roundelay.formats import decimals, text
 from roundelay.formats.deeplabcut import is_deeplabcut, read_deeplabcut
 from roundelay.formats.motive import is_motive, read_motive
 from roundelay.formats.point_files import Notes, checked_size, made, plain, rate_assumed
+from roundelay.formats.points import ReadsPoints, WritesPoints
 from roundelay.formats.tables import fields, line_end, rate_of, read_table
 from roundelay.formats.text import Source
 from roundelay.formats.trc import place_rows
@@ -39,7 +41,7 @@ _SEPARATORS = ",;\t"
 _REMARKS = 20
 
 
-class CsvReader:
+class CsvReader(ReadsPoints):
     """The reader of CSV files of points."""
 
     name = "csv"
@@ -71,6 +73,23 @@ class CsvReader:
         if is_deeplabcut(first):
             return read_deeplabcut(source)
         return _read_plain(source)
+
+    def claims(self, path: Path) -> bool:
+        """Tell whether a table holds points; few do.
+
+        Raises
+        ------
+        OSError
+            If it cannot be read.
+        """
+        try:
+            source = Source(path, beginning(path))
+            first = fields(source, 0, ",")
+            titles, _ = _titles(source, _remarks(source)[1])
+        except FormatError:
+            return False
+        plain_layout = any(_TITLE.fullmatch(title) for title in titles)
+        return is_motive(first) or is_deeplabcut(first) or plain_layout
 
 
 def _read_plain(source: Source) -> Points:
@@ -189,7 +208,7 @@ def _axes(source: Source, at: int, found: dict[str, dict[str, int]]) -> str:
     return axes
 
 
-class CsvWriter:
+class CsvWriter(WritesPoints):
     """The writer of CSV files of points."""
 
     name = "csv"

@@ -182,7 +182,9 @@ def seen_beside_origin(places: Array) -> Array:
     return np.where(places.any(axis=2, keepdims=True), places, np.nan)
 
 
-def of_one_body(names: Sequence[str], seen: Sequence[bool], notes: Notes) -> list[int]:
+def of_one_body(
+    names: Sequence[str], seen: Sequence[bool], notes: Notes, *, least: int = _BODY
+) -> list[int]:
     """Return which points are those of one body, where names have subjects: "Anna:LASI".
 
     Of several subjects the one with most points is read, if it is a body: rigid bodies of a few
@@ -194,6 +196,8 @@ def of_one_body(names: Sequence[str], seen: Sequence[bool], notes: Notes) -> lis
     seen : sequence of bool
         Which points are ever seen.
     notes : Notes
+    least : int
+        Points of a body.
     """
     subjects = [name.rpartition(":")[0] for name in names]
     counts = Counter(
@@ -204,7 +208,7 @@ def of_one_body(names: Sequence[str], seen: Sequence[bool], notes: Notes) -> lis
     found = f"points of {len(counts)} subjects ({', '.join(list(counts)[:_NAMED])}"
     found += ", ...)" if len(counts) > _NAMED else ")"
     most, count = counts.most_common(1)[0]
-    if count < _BODY:
+    if count < least:
         notes.add(f"{found} read as one")
         return list(range(len(names)))
     notes.add(f"{found}; those of {most} read, which has most")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from roundelay.base.errors import FormatError
+from roundelay.base.files import beginning
 from roundelay.formats import decimals, text
 from roundelay.formats.point_files import (
     Notes,
@@ -12,6 +14,7 @@ from roundelay.formats.point_files import (
     rate_assumed,
     seen_beside_origin,
 )
+from roundelay.formats.points import ReadsPoints
 from roundelay.formats.tables import fields, line_end, rate_of, read_table
 from roundelay.formats.text import Source
 from roundelay.motion.points import Points
@@ -22,7 +25,7 @@ __all__ = ["QualisysReader"]
 _LONGEST = 10_000
 
 
-class QualisysReader:
+class QualisysReader(ReadsPoints):
     """The reader of Qualisys' TSV files."""
 
     name = "qualisys"
@@ -66,6 +69,19 @@ class QualisysReader:
             rate = rate_of(table.values[:, 1]) or 0.0
         rate = rate or rate_assumed(path)
         return made(path, names, seen_beside_origin(places), rate, units="mm", notes=Notes(path))
+
+    def claims(self, path: Path) -> bool:
+        """Tell whether a table is one of Qualisys.
+
+        Raises
+        ------
+        OSError
+            If it cannot be read.
+        """
+        try:
+            return b"MARKER_NAMES" in beginning(path)
+        except FormatError:
+            return False
 
 
 def _heading(source: Source) -> tuple[dict[str, list[str]], int]:

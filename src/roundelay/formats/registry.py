@@ -16,14 +16,22 @@ from roundelay.base.files import unpacked
 from roundelay.base.registry import Registry
 from roundelay.formats.acclaim_writer import AmcWriter
 from roundelay.formats.amc import AmcReader
+from roundelay.formats.animals import AnimalsReader
+from roundelay.formats.arrays import NpyReader, NpzReader, NpzWriter
 from roundelay.formats.bvh import BvhReader
 from roundelay.formats.bvh_writer import BvhWriter
+from roundelay.formats.c3d import C3dReader
+from roundelay.formats.c3d_writer import C3dWriter
 from roundelay.formats.contents import Contents
 from roundelay.formats.fbx_reader import FbxReader
 from roundelay.formats.fbx_writer import FbxWriter
 from roundelay.formats.gltf import GltfWriter
 from roundelay.formats.gltf_reader import GltfReader
+from roundelay.formats.opensim import OpenSimReader
 from roundelay.formats.options import ReadOptions
+from roundelay.formats.point_csv import CsvReader, CsvWriter
+from roundelay.formats.qualisys import QualisysReader
+from roundelay.formats.trc import TrcReader, TrcWriter
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 from roundelay.motion.points import Points
@@ -41,6 +49,7 @@ __all__ = [
     "files_of",
     "files_written",
     "in_words",
+    "is_capture",
     "reader_of",
     "readers",
     "suffixes_of",
@@ -68,7 +77,8 @@ class Reader(Suffixed, Protocol):
     """Read the files of one format.
 
     A reader whose files may hold more than a motion has a method ``besides_motion(path)``, too; see
-    `besides_motion`.
+    `besides_motion`. One whose suffixes other things have as well, such as ``.csv``, has a method
+    ``claims(path)``; see `is_capture`.
     """
 
     def read(self, path: Path) -> Motion:
@@ -189,12 +199,35 @@ readers.add(BvhReader())
 readers.add(AmcReader())
 readers.add(GltfReader())
 readers.add(FbxReader())
+readers.add(C3dReader())
+readers.add(TrcReader())
+readers.add(OpenSimReader())
+readers.add(CsvReader())
+readers.add(QualisysReader())
+readers.add(NpzReader())
+readers.add(NpyReader())
+readers.add(AnimalsReader())
 
 writers: Registry[Writer] = Registry("writer", "roundelay.writers", Writer)
 writers.add(BvhWriter())
 writers.add(AmcWriter())
 writers.add(GltfWriter())
 writers.add(FbxWriter())
+writers.add(C3dWriter())
+writers.add(TrcWriter())
+writers.add(CsvWriter())
+writers.add(NpzWriter())
+
+_VIDEO = "; find keypoints in the video, by DeepLabCut, SLEAP or MediaPipe, and give those"
+# What to do with files of other programs.
+_WAYS = {
+    **dict.fromkeys((".mp4", ".avi", ".mov", ".mkv", ".webm"), _VIDEO),
+    ".tak": "; export it from Motive as C3D or CSV",
+    ".qtm": "; export it from Qualisys Track Manager as C3D or TSV",
+    ".x2d": "; export it from Nexus as C3D",
+    ".blend": "; export it from Blender as BVH or glTF",
+}
+_NAMELESS = "; name its format by --as (in Python by suffix)"
 
 _Known = TypeVar("_Known", bound=Suffixed)
 
@@ -228,8 +261,24 @@ def reader_of(path: Path, suffix: str | None = None) -> Reader:
     try:
         return _known(named, readers)
     except ValueError as error:
-        hint = "" if named.suffix else "; name its format by --as (in Python by suffix)"
+        hint = _WAYS.get(named.suffix.lower(), "") if named.suffix else _NAMELESS
         raise FormatError(f"{error}{hint}", path=path) from None
+
+
+def is_capture(path: Path) -> bool:
+    """Tell whether a file found in a folder is a capture, by its suffix.
+
+    Where other things have that suffix, too, the reader is asked. What cannot be looked at counts
+    as one, so that whoever reads it says why.
+    """
+    suffix = unpacked(path).suffix.lower()
+    reader = next((one for one in readers if suffix in one.suffixes), None)
+    if reader is None:
+        return False
+    try:
+        return bool(getattr(reader, "claims", lambda path: True)(path))
+    except OSError:
+        return True
 
 
 def besides_motion(path: Path) -> tuple[str, ...]:

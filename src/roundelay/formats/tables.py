@@ -114,7 +114,9 @@ def rate_of(times: Array) -> float | None:
     return float(whole) if whole and abs(rate / whole - 1.0) < 1e-4 else rate
 
 
-def read_table(source: Source, at: int, columns: int, separator: bytes | None) -> Table:
+def read_table(
+    source: Source, at: int, columns: int, separator: bytes | None, *, cropped: bool = False
+) -> Table:
     """Read rows of so many fields each, from a byte to the end of the file.
 
     Parameters
@@ -126,6 +128,8 @@ def read_table(source: Source, at: int, columns: int, separator: bytes | None) -
         At least two.
     separator : bytes, optional
         Of one byte; white space by default.
+    cropped : bool
+        Whether fields beyond the last column are left out, and not refused.
 
     Returns
     -------
@@ -141,7 +145,7 @@ def read_table(source: Source, at: int, columns: int, separator: bytes | None) -
     source = _with_points(source, at, separator)
     values, places = [np.empty((0, columns))], [np.empty(0, np.intp)]
     for start, stop in _blocks(source, at):
-        rows, begins = _read_block(source, start, stop, columns, separator)
+        rows, begins = _read_block(source, (start, stop), columns, separator, cropped)
         values.append(rows)
         places.append(begins)
     table = Table(np.concatenate(values), np.concatenate(places), source)
@@ -167,9 +171,14 @@ def _blocks(source: Source, at: int) -> Iterator[tuple[int, int]]:
 
 
 def _read_block(
-    source: Source, start: int, stop: int, columns: int, separator: bytes | None
+    source: Source,
+    span: tuple[int, int],
+    columns: int,
+    separator: bytes | None,
+    cropped: bool,
 ) -> tuple[Array, Places]:
     """Return rows (R, C) of whole lines, and the byte at which each begins."""
+    start, stop = span
     block = source.data[start:stop].replace(b'"', b" ").rstrip(b"\n") + b"\n"
     begins = start + _line_begins(block)
     if separator is None:
@@ -177,7 +186,7 @@ def _read_block(
     if b"n" in block or b"N" in block:
         block = _NO_NUMBER.sub(b"   ", block)
     layout = _Layout.of(block, separator or b"\t")
-    fault = layout.fault(columns)
+    fault = layout.fault(columns, cropped)
     if fault is not None:
         message, line = fault
         end = line_end(source, int(begins[line]))
@@ -186,7 +195,9 @@ def _read_block(
     if numbers is None or len(numbers) != layout.filled.sum():
         raise _bad_field(source, start, stop, separator)
     result = np.full((len(begins), columns), np.nan)
-    result[layout.line[layout.filled], layout.field[layout.filled]] = numbers
+    lines, places = layout.line[layout.filled], layout.field[layout.filled]
+    inside = places < columns
+    result[lines[inside], places[inside]] = numbers[inside]
     kept = np.logical_not(layout.blank)
     return result[kept], begins[kept]
 
@@ -226,11 +237,11 @@ class _Layout:
         blank = (counts == 1) & np.logical_not(filled[first])
         return cls(line, field, filled, blank)
 
-    def fault(self, columns: int) -> tuple[str, int] | None:
+    def fault(self, columns: int, cropped: bool) -> tuple[str, int] | None:
         """Tell what is wrong with the first line that has too few or too many fields."""
         counts = np.bincount(self.line, minlength=len(self.blank))
         short = (counts < columns) & np.logical_not(self.blank)
-        beyond = self.filled & (self.field >= columns)
+        beyond = self.filled & (self.field >= columns) & (not cropped)
         odd = np.flatnonzero(short | np.isin(np.arange(len(counts)), self.line[beyond]))
         if not len(odd):
             return None

@@ -18,6 +18,7 @@ from roundelay.formats.point_files import (
     rate_assumed,
     seen_beside_origin,
 )
+from roundelay.formats.points import ReadsPoints, WritesPoints
 from roundelay.formats.tables import Table, fields, line_end, rate_of, read_table
 from roundelay.formats.text import Source
 from roundelay.motion.points import Points
@@ -34,7 +35,7 @@ _LEAST = 1e-8
 _DIGITS = 9
 
 
-class TrcReader:
+class TrcReader(ReadsPoints):
     """The reader of TRC files."""
 
     name = "trc"
@@ -64,7 +65,8 @@ class TrcReader:
         notes = Notes(path)
         names, at = _names(source, at, _count(source, told, "NumMarkers"), notes)
         markers = len(names)
-        table = read_table(source, at, 2 + 3 * markers, b"\t")
+        unnamed = markers < _count(source, told, "NumMarkers")
+        table = read_table(source, at, 2 + 3 * markers, b"\t", cropped=unnamed)
         promised = _count(source, told, "NumFrames")
         if len(table.values) != promised:
             found = f"expected {promised} frames, found {len(table.values)}"
@@ -124,7 +126,7 @@ def _names(source: Source, at: int, promised: int, notes: Notes) -> tuple[list[s
             f"expected names of {promised} markers, three axes each, found {found}", at
         )
     if len(names) != promised:
-        notes.add(f"{promised} markers promised, {len(names)} named and read")
+        notes.add(f"{promised} markers promised, the {len(names)} with names read")
     return names, line_end(source, axes)
 
 
@@ -134,7 +136,7 @@ def _rate(told: dict[str, tuple[str, int]], table: Table) -> float | None:
     return rate if rate > 0.0 else rate_of(table.values[:, 1])
 
 
-class TrcWriter:
+class TrcWriter(WritesPoints):
     """The writer of TRC files."""
 
     name = "trc"

@@ -61,7 +61,7 @@ def build_library(
     Parameters
     ----------
     sources : path-like or sequence of path-like
-        Folders, searched to any depth for BVH and AMC files, and such files.
+        Folders, searched to any depth for captures, and such files.
     folder : path-like
         Where the library is or shall be; its loops are not searched.
     options : LoopOptions, optional
@@ -102,8 +102,9 @@ def build_library(
     given = sources if isinstance(sources, Iterable) else [sources]
     given = [sources] if isinstance(sources, str | bytes) else given
     places = [_rooted(as_path(source)) for source in given]
-    captures, faults = find_captures(places, besides=folder / LOOPS)
-    unread = [f"{fault.filename}: {fault.strerror}" for fault in faults]
+    found = find_captures(places, besides=folder / LOOPS)
+    captures, passed = found.captures, found.passed
+    unread = [f"{fault.filename}: {fault.strerror}" for fault in found.faults]
     tell = refused or (lambda line: None)
     for line in unread:
         tell(line)
@@ -112,7 +113,7 @@ def build_library(
     with locked(folder / "library.lock"):
         log = opened(folder)
         todo = [clip for clip in clips if again or not is_done(clip, log)]
-        current = None if todo or log.damaged else _current(folder, list(captures), unread)
+        current = None if todo or log.damaged else _current(folder, list(captures), unread, passed)
         if current is not None:
             return current
         tell_mended(folder, log, todo)
@@ -120,7 +121,7 @@ def build_library(
         try:
             _do(todo, log, jobs or os.cpu_count() or 1, limits, progress, tell)
         finally:
-            _write(list(captures), log, unread, folder)
+            _write(list(captures), log, unread, passed, folder)
         return Library.open(folder)
 
 
@@ -132,13 +133,17 @@ def _rooted(source: Path) -> Path:
     return source.resolve() if source.is_dir() else source.parent.resolve() / source.name
 
 
-def _current(folder: Path, names: Sequence[str], unread: Sequence[str]) -> Library | None:
+def _current(
+    folder: Path, names: Sequence[str], unread: Sequence[str], passed: dict[str, int]
+) -> Library | None:
     """Return the library as it is, if it is of these clips."""
     try:
         library = Library.open(folder)
     except FormatError:
         return None
-    same = [clip["file"] for clip in library.clips] == names and library.record["unread"] == unread
+    told = library.record
+    same = [clip["file"] for clip in library.clips] == names and told["unread"] == unread
+    same = same and told.get("passed_over") == passed
     return library if same and is_intact(folder, TABLE, library.record["checksums"]) else None
 
 
@@ -170,7 +175,13 @@ def _do(
             report(progress, done / total, f"{number} of {len(clips)} clips")
 
 
-def _write(names: Sequence[str], log: Log, unread: Sequence[str], folder: Path) -> None:
+def _write(
+    names: Sequence[str],
+    log: Log,
+    unread: Sequence[str],
+    passed: dict[str, int],
+    folder: Path,
+) -> None:
     """Put all clips that are done in order, group their cycles and write the library."""
     entries = [log.entries[name] for name in names if name in log.entries]
     shelves = shelved(entries)
@@ -189,6 +200,7 @@ def _write(names: Sequence[str], log: Log, unread: Sequence[str], folder: Path) 
             "waiting": len(names) - len(clips),
         },
         "unread": list(unread),
+        "passed_over": passed,
         "groups": group_records(clips, examples),
         "clips": clips,
     }

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Collection, Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from roundelay.base.files import unpacked
-from roundelay.formats import in_words, readers, suffixes_of
+from roundelay.formats import in_words, is_capture, readers, suffixes_of
 from roundelay.library.log import LOG
 from roundelay.library.sealed import SEAL
 
@@ -19,15 +21,34 @@ _OTHERS = {
     *(".uasset", ".usd", ".usda", ".usdc", ".usdz", ".vmd", ".vrm", ".vrma"),
 }
 
-__all__ = ["LOOPS", "files_not_read", "find_captures"]
+__all__ = ["LOOPS", "Found", "files_not_read", "find_captures"]
 
 LOOPS = "loops"
 """The folder of a library that holds the loops."""
+# What lies beside a capture and is read with it.
+_PARTS = (".asf", ".bin")
 
 
-def find_captures(
-    sources: Sequence[Path], besides: Path | None = None
-) -> tuple[dict[str, Path], list[OSError]]:
+@dataclass(frozen=True)
+class Found:
+    """What there is below some folders.
+
+    Attributes
+    ----------
+    captures : dict
+        Files by their paths below what the sources have in common, with slashes, sorted.
+    faults : list of OSError
+        Folders further down that cannot be read.
+    passed : dict
+        How many files of each kind are no captures: by suffix without its dot.
+    """
+
+    captures: dict[str, Path]
+    faults: list[OSError]
+    passed: dict[str, int]
+
+
+def find_captures(sources: Sequence[Path], besides: Path | None = None) -> Found:
     """List the files that a reader knows, packed or not, among files and below folders.
 
     Hidden ones are left out: what other systems keep beside each file has its suffix, too. So are
@@ -42,10 +63,7 @@ def find_captures(
 
     Returns
     -------
-    captures : dict
-        Files by their paths below what the sources have in common, with slashes, sorted.
-    faults : list of OSError
-        Folders further down that cannot be read.
+    Found
 
     Raises
     ------
@@ -56,13 +74,16 @@ def find_captures(
     """
     found: set[Path] = set()
     faults: list[OSError] = []
+    others: list[Path] = []
     for source in sources:
         if source.is_dir():
             os.listdir(source)
-            found.update(_below(source, suffixes_of(readers), faults, besides))
+            below, left = _below(source, is_capture, faults, besides)
+            found.update(below)
+            others += left
         else:
             source.stat()
-            if not _is_of(source, suffixes_of(readers)):
+            if _suffix(source) not in suffixes_of(readers):
                 known = in_words(readers)
                 raise ValueError(f"expected a folder, {known}, found {source.name!r}")
             found.add(source)
@@ -71,7 +92,9 @@ def find_captures(
         text = f"expected {in_words(readers)} files, found none"
         raise FileNotFoundError(errno.ENOENT, text, named)
     root = os.path.commonpath([s if s.is_dir() else s.parent for s in sources])
-    return {path.relative_to(root).as_posix(): path for path in sorted(found)}, faults
+    captures = {path.relative_to(root).as_posix(): path for path in sorted(found)}
+    counts = Counter(_suffix(path)[1:] or "no suffix" for path in set(others) - found)
+    return Found(captures, faults, dict(sorted(counts.items())))
 
 
 def _is_library(folder: Path, files: Sequence[str]) -> bool:
@@ -88,24 +111,34 @@ def _is_library(folder: Path, files: Sequence[str]) -> bool:
 def files_not_read(folder: Path) -> list[Path]:
     """List the files below a folder that hold motion, by their suffix, and have no reader."""
     suffixes = _OTHERS - set(suffixes_of(readers))
-    return sorted(_below(folder, suffixes, []))
+    return sorted(_below(folder, lambda path: _suffix(path) in suffixes, [])[0])
 
 
-def _is_of(path: Path, suffixes: Collection[str]) -> bool:
-    return unpacked(path).suffix.lower() in suffixes
+def _suffix(path: Path) -> str:
+    return unpacked(path).suffix.lower()
 
 
 def _below(
-    top: Path, suffixes: Collection[str], faults: list[OSError], besides: Path | None = None
-) -> list[Path]:
-    found = []
+    top: Path,
+    wanted: Callable[[Path], bool],
+    faults: list[OSError],
+    besides: Path | None = None,
+) -> tuple[list[Path], list[Path]]:
+    """Return the files below a folder that are wanted, and the others."""
+    found: list[Path] = []
+    others: list[Path] = []
     for place, folders, files in os.walk(top, onerror=faults.append):
         here = Path(place)
         # Where a library is made, those of others are no captures.
-        ours = LOOPS if besides is not None and _is_library(here, files) else ""
+        library = besides is not None and _is_library(here, files)
+        ours = LOOPS if library else ""
         folders[:] = [
             f for f in folders if not f.startswith(".") and f != ours and here / f != besides
         ]
         visible = [here / file for file in files if not file.startswith(".")]
-        found += [file for file in visible if _is_of(file, suffixes)]
-    return found
+        for file in visible:
+            if wanted(file):
+                found.append(file)
+            elif not library and _suffix(file) not in _PARTS:
+                others.append(file)
+    return found, others

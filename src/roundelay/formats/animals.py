@@ -1,0 +1,103 @@
+"""Read keypoints of animals from HDF5 files of DeepLabCut and SLEAP, by the library `movement`.
+
+It runs in a process of its own, with limits: what lies below it is native code that a broken file
+may bring down. It comes with the extra ``animals``.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from roundelay.base.errors import FormatError
+from roundelay.base.files import content
+from roundelay.formats.arrays import NpzReader
+from roundelay.formats.point_files import Notes, checked_size, made, of_one_body, rate_assumed
+from roundelay.formats.points import ReadsPoints
+from roundelay.motion.points import Points
+
+__all__ = ["AnimalsReader"]
+
+_MAGIC = b"\x89HDF\r\n\x1a\n"
+_CHILD = "roundelay.formats.animals_child"
+# Of the process that reads; its libraries alone take some ten to load.
+_SECONDS = 300.0
+
+
+class AnimalsReader(ReadsPoints):
+    """The reader of HDF5 files of DeepLabCut (``.h5``) and SLEAP (``.h5``, ``.slp``)."""
+
+    name = "animals"
+    suffixes = (".h5", ".slp")
+
+    def read_points(self, path: Path) -> Points:
+        """Read an HDF5 file; of several individuals, the one with most keypoints.
+
+        Parameters
+        ----------
+        path : Path
+
+        Returns
+        -------
+        Points
+            In pixels, with likelihoods.
+
+        Raises
+        ------
+        FormatError
+            If the file is not sound, or `movement` is not installed; the message says how to.
+        OSError
+            If it cannot be read.
+        """
+        data = content(path)
+        if not data.startswith(_MAGIC):
+            raise FormatError("expected an HDF5 file, found another, at byte 0", path=path)
+        if importlib.util.find_spec("movement") is None:
+            told = "expected the library movement to read it, found none"
+            raise FormatError(f"{told}: install roundelay[animals]", path=path)
+        found = _read_apart(path, data)
+        checked_size(path, len(found), len(found.names))
+        notes = Notes(path)
+        seen = np.asarray(found.seen.any(axis=0)).tolist()
+        kept = of_one_body(found.names, seen, notes, least=1)
+        places, likelihoods = found.to_array(), found.likelihoods
+        return made(
+            path,
+            [found.names[number] for number in kept],
+            places[:, kept],
+            rate_assumed(path),
+            notes=notes,
+            likelihoods=None if likelihoods is None else likelihoods[:, kept],
+            units="px",
+            image=found.dimensions == 2,
+        )
+
+
+def _read_apart(path: Path, data: bytes) -> Points:
+    """Read a file in another process.
+
+    Raises
+    ------
+    FormatError
+        If that cannot read it, dies or takes too long.
+    """
+    suffix = ".slp" if ".slp" in path.suffixes else ".h5"
+    with tempfile.TemporaryDirectory() as folder:
+        given, made = Path(folder) / f"given{suffix}", Path(folder) / "read.npz"
+        given.write_bytes(data)
+        command = [sys.executable, "-m", _CHILD, str(given), str(made)]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=_SECONDS)
+        except subprocess.TimeoutExpired:
+            told = f"expected a file that is read in {_SECONDS:g} s, found one that takes longer"
+            raise FormatError(told, path=path) from None
+        if done.returncode or not made.exists():
+            lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+            told = f"expected keypoints of DeepLabCut or SLEAP, found: {lines[-1]}"
+            raise FormatError(told, path=path)
+        return NpzReader().read_points(made)

@@ -14,6 +14,8 @@ from roundelay import synth
 from roundelay.cli import app
 from roundelay.formats import in_words, readers, suffixes_of
 
+KNOWN = ", ".join(suffixes_of(readers))
+
 
 @pytest.fixture
 def folder(tmp_path):
@@ -173,10 +175,7 @@ def test_a_raw_capture_is_told_and_left(folder, captures):
     ("words", "message"),
     [
         (["none.bvh"], "No such file"),
-        (
-            ["README.md"],
-            f"README.md: expected a file of type {', '.join(suffixes_of(readers))}, found 'READ",
-        ),
+        (["README.md"], f"README.md: expected a file of type {KNOWN}, found 'README.md'"),
         (["{folder}/empty"], f"expected {in_words(readers)} files, found none"),
         (["{folder}", "--overwrite"], "expected --overwrite with --mend, found it alone"),
     ],

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from roundelay.base.errors import FormatError
 from roundelay.formats.point_files import Notes, plain
 
-__all__ = ["BLOCK", "Bytes", "C3dFile", "Header", "Parameter", "open_file"]
+__all__ = ["BLOCK", "Bytes", "C3dFile", "Header", "Parameter", "decoded_reals", "open_file"]
 
 Array = NDArray[np.float64]
 

@@ -96,6 +96,15 @@ VALID: dict[str, Changes] = {
         ("32 3 4 5", "32"),
     ],
     "name with blanks": [("JOINT Spine", "JOINT Bip01 L Spine")],
+    "duplicate joint": [("LeftLeg", "Spine")],
+    "glued numbers": [("10 20 30", "10-20-30")],
+    "decimal commas": [("10 20 30", "10,5 20,5 30"), ("0.04", "0,04")],
+    "scale channels": [
+        ("3 Zrotation X", "6 Xscale Yscale Zscale Zrotation X"),
+        ("30 1 2", "30 1 1 1 1 2"),
+        ("31 2 3", "31 1 1 1 2 3"),
+        ("32 3 4", "32 1 1 1 3 4"),
+    ],
 }
 
 BROKEN: dict[str, Changes] = {
@@ -110,7 +119,6 @@ BROKEN: dict[str, Changes] = {
     "infinity": [("31 2 3", "31 inf 3")],
     "a word": [("31 2 3", "31 two 3")],
     "underscore": [("31 2 3", "31 2_0 3")],
-    "duplicate joint": [("LeftLeg", "Spine")],
     "unknown channel": [("Zrotation Xr", "Wrotation Xr")],
     "too many channels counted": [("CHANNELS 3 X", "CHANNELS 4 X")],
     "too few channels counted": [("CHANNELS 3 X", "CHANNELS 2 X")],

@@ -15,7 +15,7 @@ from roundelay import synth, testing
 from roundelay.base.files import written_beside
 from roundelay.cycles.models import cycle_models
 from roundelay.cycles.models.regression import Harmonic
-from roundelay.formats import readers, writers
+from roundelay.formats import readers, suffixes_of, writers
 from roundelay.formats.bvh import BvhReader
 from roundelay.formats.bvh_writer import BvhWriter
 from roundelay.loops.profiles import Generic, profiles
@@ -31,7 +31,8 @@ def samples(tmp_path_factory) -> dict[str, list[Path]]:
     folder, made = tmp_path_factory.mktemp("samples"), {}
     motion = synth.gait("walk", repetitions=0.5, fps=30).motion
     for reader in readers:
-        made[reader.name] = [folder / f"walk{suffix}" for suffix in reader.suffixes]
+        written = [suffix for suffix in reader.suffixes if suffix in suffixes_of(writers)]
+        made[reader.name] = [folder / f"walk{suffix}" for suffix in written]
         for path in made[reader.name]:
             rl.write(motion, path)
     return made

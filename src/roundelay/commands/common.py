@@ -184,6 +184,7 @@ def read_capture(path: Path, skeleton: Path | None, reading: ReadOptions) -> Mot
         animation=reading.animation,
         character=reading.character,
         salvage=reading.salvage,
+        encoding=reading.encoding,
     )
 
 

@@ -81,6 +81,7 @@ def read(
     animation: str | None = None,
     character: str | None = None,
     salvage: bool = False,
+    encoding: str | None = None,
 ) -> Motion:
     """Read a motion capture file, in the format its suffix names.
 
@@ -104,7 +105,9 @@ def read(
     character : str, optional
         Which of several skeletons, by the name of its root.
     salvage : bool
-        Keep the whole frames of a recording that was cut off.
+        Keep the whole frames of a recording that was cut off; fill what is no number.
+    encoding : str, optional
+        That of names in a text file, such as "GBK"; found out by default.
 
     Returns
     -------
@@ -125,7 +128,9 @@ def read(
     path = as_path(path)
     reader = reader_of(path, suffix)
     rate = None if fps is None else checked_rate(fps)
-    wanted = ReadOptions(animation=animation, character=character, salvage=salvage)
+    wanted = ReadOptions(
+        animation=animation, character=character, salvage=salvage, encoding=encoding
+    )
     _check_choices(reader, wanted, path)
     with _rate_known(rate is not None):
         if isinstance(reader, PointsReader) and skeleton is None:
@@ -186,7 +191,7 @@ def _rate_known(known: bool) -> Iterator[None]:
 
 def _check_choices(reader: Reader, wanted: ReadOptions, path: Path) -> None:
     known = reader.choices if isinstance(reader, ChoosingReader) else frozenset()
-    for choice in ("animation", "character", "salvage"):
+    for choice in ("animation", "character", "salvage", "encoding"):
         if getattr(wanted, choice) and choice not in known:
             told = f"{unpacked(path).name} is of a format without such a choice"
             raise ValueError(f"expected no --{choice}: {told}")
@@ -198,12 +203,12 @@ def _read(
     skeleton: str | PathLike[str] | Skeleton | None,
     wanted: ReadOptions,
 ) -> Motion:
+    if skeleton is not None and not isinstance(reader, SkeletonReader):
+        raise ValueError(f"expected no skeleton: a {path.suffix} file holds its own")
     if isinstance(reader, ChoosingReader):
         return reader.read(path, wanted)
-    if skeleton is None:
+    if skeleton is None or not isinstance(reader, SkeletonReader):
         return reader.read(path)
-    if not isinstance(reader, SkeletonReader):
-        raise ValueError(f"expected no skeleton: a {path.suffix} file holds its own")
     return reader.read(path, skeleton if isinstance(skeleton, Skeleton) else Path(skeleton))
 
 

@@ -3,24 +3,27 @@
 Rotations of a joint are composed in the order of its channels, R = R1 R2 R3. Position
 channels give a joint's position on its parent in place of its OFFSET. Accepted beyond the
 plain format: any channel order and count, any case, comments from ``#`` or ``//``, frames
-over several lines or all on one, and one frame more than promised (left out, with a warning).
+over several lines or all on one. With a note: more frames than promised, joints of one name,
+numbers glued together, decimal commas, channels of end sites, scale channels, other encodings.
 """
 
 from __future__ import annotations
 
 import re
-import warnings
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.errors import FormatError, RoundelayWarning
+from roundelay.base.errors import FormatError
 from roundelay.formats import text
-from roundelay.formats.bvh_hierarchy import BvhLayout, read_hierarchy
+from roundelay.formats.bvh_hierarchy import BvhLayout, Hierarchy, read_hierarchies
+from roundelay.formats.contents import Contents
 from roundelay.formats.euler import DEGREE, Winding, compose, winding
 from roundelay.formats.moving import leave
+from roundelay.formats.nodes import called, different, listed, note
+from roundelay.formats.options import ReadOptions
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
@@ -28,6 +31,7 @@ __all__ = ["BvhReader"]
 
 Array = NDArray[np.float64]
 
+_SALVAGE = "; --salvage keeps the whole frames"
 _COUNT = re.compile(r"frames\s*:?\s*(\d+)", re.IGNORECASE)
 _TIME = re.compile(r"frame\s*time\s*:?\s*(\S+)", re.IGNORECASE)
 
@@ -37,13 +41,17 @@ class BvhReader:
 
     name = "bvh"
     suffixes = (".bvh",)
+    choices = frozenset({"character", "salvage", "encoding"})
 
-    def read(self, path: Path) -> Motion:
+    def read(self, path: Path, wanted: ReadOptions | None = None) -> Motion:
         """Read a BVH file.
 
         Parameters
         ----------
         path : Path
+        wanted : ReadOptions, optional
+            Which of several skeletons, the encoding of names, and whether a recording that was
+            cut off is read as far as it goes.
 
         Returns
         -------
@@ -56,17 +64,43 @@ class BvhReader:
         FormatError
             If the file is not a whole BVH, with line and column.
         """
-        skeleton, values, frame_time = _parse(path)
+        wanted = wanted or ReadOptions()
+        skeleton, values, frame_time = _parse(path, wanted)
         skeleton = replace(skeleton, layout=_with_windings(skeleton.layout, values))
         return _motion(skeleton, values, frame_time, path.stem)
 
+    def contents(self, path: Path) -> Contents:
+        """List the skeletons of a file."""
+        source = text.without_comments(text.load(path))
+        found = read_hierarchies(text.Cursor(source))
+        return Contents(characters=different([one.skeleton.names[0] for one in found]))
 
-def _parse(path: Path) -> tuple[Skeleton, Array, float]:
+
+def _parse(path: Path, wanted: ReadOptions) -> tuple[Skeleton, Array, float]:
     """Return the skeleton, the channels (F, C) and the seconds a frame."""
-    cursor = text.Cursor(text.without_comments(text.load(path)))
-    skeleton = read_hierarchy(cursor)
-    frames, frame_time = _heading(cursor, skeleton.layout.width)
-    return skeleton, _body(cursor, frames, skeleton), frame_time
+    source = text.without_comments(text.load(path, wanted.encoding))
+    cursor = text.Cursor(text.with_points(source))
+    found = read_hierarchies(cursor)
+    number = _character(cursor.source, found, wanted.character)
+    frames, frame_time = _heading(cursor, sum(one.width for one in found))
+    table = _body(cursor, frames, found, salvage=wanted.salvage)
+    for told in found[number].notes:
+        note(path, told)
+    first = sum(one.width for one in found[:number])
+    columns = [first + column for column in found[number].columns]
+    everything = len(columns) == table.shape[1]
+    return found[number].skeleton, table if everything else table[:, columns], frame_time
+
+
+def _character(source: text.Source, found: list[Hierarchy], wanted: str | None) -> int:
+    """Return the number of the skeleton that is wanted, or of the only one."""
+    names = different([one.skeleton.names[0] for one in found])
+    if wanted is not None:
+        return called("a skeleton (--character)", names, wanted, source.path)
+    if len(found) > 1:
+        told = f"expected one skeleton, found {listed(list(map(repr, names)))}"
+        raise source.error(f"{told}; choose one by --character", found[1].at)
+    return 0
 
 
 def _with_windings(layout: BvhLayout, values: Array) -> BvhLayout:
@@ -107,20 +141,77 @@ def _filled_line(cursor: text.Cursor, expected: str) -> text.Token:
     return cursor.line()
 
 
-def _body(cursor: text.Cursor, frames: int, skeleton: Skeleton) -> Array:
-    width = skeleton.layout.width
-    start = cursor.position
-    values = text.numbers(cursor.source, start)
-    if len(values) == (frames + 1) * width:
-        warnings.warn(
-            f"{cursor.source.path}: one frame more than the {frames} promised, left out",
-            RoundelayWarning,
-            stacklevel=5,
-        )
-    elif len(values) != frames * width:
-        raise _wrong_count(cursor.source, start, frames, width, len(values))
-    text.check_proportion(cursor.source, start, frames, skeleton.n_joints)
-    return values[: frames * width].reshape(frames, width)
+def _body(cursor: text.Cursor, frames: int, found: list[Hierarchy], *, salvage: bool) -> Array:
+    """Return the table (F, C) of all channels; those of end sites are NaN if none are there."""
+    source, start = cursor.source, cursor.position
+    width, bare = (sum(one.width - cut * len(one.at_ends) for one in found) for cut in (0, 1))
+    values = _numbers(source, start, salvage)
+    if bare < width and len(values) % width and len(values) % bare == 0:
+        width = bare
+    frames = _frames(source, start, frames, width, len(values), salvage)
+    text.check_proportion(source, start, frames, sum(one.skeleton.n_joints for one in found))
+    table = values[: frames * width].reshape(frames, width)
+    if not np.all(np.isfinite(table)):
+        table = _filled(source, start, table)
+    return table if width != bare or not any(x.at_ends for x in found) else _widened(table, found)
+
+
+def _numbers(source: text.Source, start: int, salvage: bool) -> Array:
+    try:
+        return text.numbers(source, start, salvage=salvage)
+    except FormatError as error:
+        hint = "; --salvage fills what is no number from the frames beside it"
+        raise FormatError(
+            f"{error.message}{hint}", path=error.path, line=error.line, column=error.column
+        ) from None
+
+
+def _frames(
+    source: text.Source, start: int, promised: int, width: int, count: int, salvage: bool
+) -> int:
+    """Return how many frames are read of so many numbers; say so if it is not what is promised."""
+    whole, rest = divmod(count, width)
+    if rest == 0 and whole == promised:
+        return promised
+    if rest == 0 and whole > promised and not salvage:
+        told = f"more than the {promised} promised, left out"
+        note(source.path, f"{_counted(whole - promised)} {told} (--salvage keeps all)")
+        return promised
+    odd = _odd_line(source, start, width)
+    cut = odd is None or not source.data[odd[0] :].strip()
+    if not (salvage and whole and cut):
+        raise _wrong_count(source, start, promised, width, count)
+    told = f"of {promised} frames promised {whole} are there and read"
+    note(source.path, told + (f", {rest} numbers at the end left out" if rest else ""))
+    return whole
+
+
+def _counted(frames: int) -> str:
+    return f"{frames} frame{'s' if frames > 1 else ''}"
+
+
+def _filled(source: text.Source, start: int, table: Array) -> Array:
+    """Put straight lines where numbers are missing, channel by channel."""
+    result, frames = table.copy(), np.arange(len(table))
+    for column in np.flatnonzero(~np.isfinite(table).all(axis=0)).tolist():
+        known = np.isfinite(table[:, column])
+        if not known.any():
+            raise source.error(f"expected a number in channel {column + 1}, found none", start)
+        result[:, column] = np.interp(frames, frames[known], table[known, column])
+    missing = int((~np.isfinite(table)).sum())
+    note(source.path, f"{missing} words that are no number are filled from the frames beside them")
+    return result
+
+
+def _widened(table: Array, found: list[Hierarchy]) -> Array:
+    """Return a table with channels of nothing where end sites name some that are not there."""
+    result = np.zeros((len(table), sum(one.width for one in found)))
+    first, there = 0, list[int]()
+    for one in found:
+        there += [first + n for n in range(one.width) if n not in one.at_ends]
+        first += one.width
+    result[:, there] = table
+    return result
 
 
 def _wrong_count(
@@ -129,9 +220,10 @@ def _wrong_count(
     odd = _odd_line(source, start, width)
     if odd is not None:
         at, found = odd
-        return source.error(f"expected {width} numbers in a frame, found {found}", at)
+        last = "" if source.data[at:].strip() else _SALVAGE
+        return source.error(f"expected {width} numbers in a frame, found {found}{last}", at)
     return source.error(
-        f"expected {frames} frames of {width} numbers, found {count / width:.10g} frames",
+        f"expected {frames} frames of {width} numbers, found {count / width:.10g} frames{_SALVAGE}",
         source.end,
     )
 
@@ -140,7 +232,7 @@ def _odd_line(source: text.Source, start: int, width: int) -> tuple[int, int] | 
     """Return place and numbers of the first line unlike the others, if lines are frames."""
     at, odd, lines = start, None, 0
     for line in source.data[start:].split(b"\n"):
-        found = len(line.split())
+        found = len(text.parted(line))
         lines += found == width
         if odd is None and found not in (0, width):
             odd = at + len(line.rstrip()), found

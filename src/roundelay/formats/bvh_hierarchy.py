@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from roundelay.formats.euler import Winding
+from roundelay.formats.nodes import different, listed
 from roundelay.formats.text import Cursor, Token
 from roundelay.geometry.skeleton import Skeleton
 
-__all__ = ["BvhLayout", "read_hierarchy"]
+__all__ = ["BvhLayout", "Hierarchy", "read_hierarchies"]
 
 _MAX_DEPTH = 256
-_CHANNELS = {axis + kind for axis in "xyz" for kind in ("position", "rotation")}
+_CHANNELS = {axis + kind for axis in "xyz" for kind in ("position", "rotation", "scale")}
 
 
 @dataclass(frozen=True)
@@ -63,24 +65,58 @@ def _axes(channels: tuple[str, ...], kind: str) -> str:
     return "".join(name[0].upper() for name in channels if name.lower().endswith(kind))
 
 
-def read_hierarchy(cursor: Cursor) -> Skeleton:
-    """Read the tree of joints, from HIERARCHY to the last brace.
+@dataclass(frozen=True)
+class Hierarchy:
+    """Hold one skeleton of a file, and where its channels stand among all.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    columns : tuple of int
+        Of the channels that the skeleton's layout names, counted from its first.
+    width : int
+        Channels that the file names, those of scales and of end sites, too.
+    at_ends : tuple of int
+        Of the channels of end sites, which some programs name and do not write.
+    at : int
+        Byte offset of its root.
+    notes : tuple of str
+        What was read otherwise than it stands there.
+    """
+
+    skeleton: Skeleton
+    columns: tuple[int, ...]
+    width: int
+    at_ends: tuple[int, ...]
+    at: int
+    notes: tuple[str, ...] = ()
+
+
+def read_hierarchies(cursor: Cursor) -> list[Hierarchy]:
+    """Read the trees of joints, from HIERARCHY to the last brace: one, or several.
 
     Raises
     ------
     FormatError
-        If it is not whole.
+        If one is not whole.
     """
-    return _Hierarchy(cursor).read()
+    cursor.keyword("HIERARCHY")
+    found = [_Hierarchy(cursor).read()]
+    while cursor.follows("ROOT", "HIERARCHY"):
+        if cursor.follows("HIERARCHY"):
+            cursor.keyword("HIERARCHY")
+        found.append(_Hierarchy(cursor).read())
+    return found
 
 
 @dataclass
 class _Node:
-    """A joint or end site being read: its index in its own list, and what it still lacks."""
+    """A joint or end site being read: its index in its own list and among all, what it lacks."""
 
     joint: int
     is_end: bool
     at: int
+    slot: int
     lacks: set[str] = field(default_factory=lambda: {"OFFSET", "CHANNELS"})
 
 
@@ -89,24 +125,37 @@ class _Hierarchy:
 
     def __init__(self, cursor: Cursor) -> None:
         self.cursor = cursor
-        self.names: dict[str, int] = {}
+        self.names: list[str] = []
         self.parents: list[int] = []
         self.offsets: list[list[float]] = []
         self.channels: list[tuple[str, ...]] = []
         self.ends: list[tuple[int, list[float]]] = []
         self.spellings: list[str] = []
         self.open: list[_Node] = []
+        # All channels as the file names them, in its order; those of an end site have no joint.
+        self.named: list[tuple[int, list[str]]] = []
 
-    def read(self) -> Skeleton:
-        self.cursor.keyword("HIERARCHY")
+    def read(self) -> Hierarchy:
         root = self.cursor.keyword("ROOT")
         self._joint(root)
         while self.open:
             self._entry()
         layout = BvhLayout(tuple(self.channels), tuple(self.spellings))
         ends = tuple((joint, np.array(offset)) for joint, offset in self.ends)
-        offsets = np.array(self.offsets)
-        return Skeleton(tuple(self.names), tuple(self.parents), offsets, ends, layout)
+        offsets, names = np.array(self.offsets), different(self.names)
+        skeleton = Skeleton(names, tuple(self.parents), offsets, ends, layout)
+        every = [(joint, name) for joint, held in self.named for name in held]
+        columns = [n for n, (joint, name) in enumerate(every) if joint >= 0 and not _scales(name)]
+        at_ends = [n for n, (joint, _) in enumerate(every) if joint < 0]
+        notes = tuple(self._notes(names))
+        return Hierarchy(skeleton, tuple(columns), len(every), tuple(at_ends), root.at, notes)
+
+    def _notes(self, names: tuple[str, ...]) -> Iterator[str]:
+        twins = [repr(new) for old, new in zip(self.names, names, strict=True) if old != new]
+        if twins:
+            yield f"joints of one name are told apart as {listed(twins)}"
+        if any(_scales(name) for _, held in self.named for name in held):
+            yield "scale channels are left out"
 
     def _entry(self) -> None:
         expected = "OFFSET, CHANNELS, JOINT, End Site or }"
@@ -131,19 +180,17 @@ class _Hierarchy:
         name = self.cursor.line()
         if not name.text:
             raise self.cursor.found("a joint's name", self.cursor.next("a joint's name"))
-        if name.text in self.names:
-            raise self.cursor.found("a joint's name not used before", name)
         self.parents.append(self.open[-1].joint if self.open else -1)
-        self.names[name.text] = len(self.names)
+        self.names.append(name.text)
         self.offsets.append([])
         self.channels.append(())
-        self._push(_Node(len(self.parents) - 1, False, token.at))
+        self._push(_Node(len(self.parents) - 1, False, token.at, len(self.named)))
 
     def _end_site(self, token: Token) -> None:
         self._check_place(token)
         self.spellings.append(f"{token.text} {self.cursor.line().text}".strip())
         self.ends.append((self.open[-1].joint, []))
-        self._push(_Node(len(self.ends) - 1, True, token.at, {"OFFSET"}))
+        self._push(_Node(len(self.ends) - 1, True, token.at, len(self.named)))
 
     def _check_place(self, token: Token) -> None:
         if self.open and self.open[-1].is_end:
@@ -151,6 +198,7 @@ class _Hierarchy:
 
     def _push(self, node: _Node) -> None:
         self.cursor.keyword("{")
+        self.named.append((-1, []))
         self.open.append(node)
         if len(self.open) > _MAX_DEPTH:
             raise self.cursor.source.error(
@@ -172,20 +220,29 @@ class _Hierarchy:
     def _channels(self, token: Token) -> None:
         node = self._settle("CHANNELS", token)
         count = self.cursor.next("a number of channels")
-        if count.text not in tuple("0123456"):
-            raise self.cursor.found("a number of channels from 0 to 6", count)
+        if count.text not in tuple("0123456789"):
+            raise self.cursor.found("a number of channels from 0 to 9", count)
+        held: list[str] = []
         for _ in range(int(count.text)):
-            self._channel(node.joint)
+            held.append(self._channel(held))
+        self.named[node.slot] = (-1 if node.is_end else node.joint, held)
+        if not node.is_end:
+            self.channels[node.joint] = tuple(name for name in held if not _scales(name))
 
-    def _channel(self, joint: int) -> None:
+    def _channel(self, held: list[str]) -> str:
         token = self.cursor.next("a channel")
         if token.text.lower() not in _CHANNELS:
             raise self.cursor.found("a channel like Xposition or Zrotation", token)
-        if token.text.lower() in {name.lower() for name in self.channels[joint]}:
+        if token.text.lower() in {name.lower() for name in held}:
             raise self.cursor.found("each channel once", token)
-        self.channels[joint] += (token.text,)
+        return token.text
 
     def _close(self, token: Token) -> None:
         node = self.open.pop()
+        node.lacks -= {"CHANNELS"} if node.is_end else set()
         if node.lacks:
             raise self.cursor.found(" and ".join(sorted(node.lacks)) + " before", token)
+
+
+def _scales(channel: str) -> bool:
+    return channel.lower().endswith("scale")

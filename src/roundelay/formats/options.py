@@ -31,6 +31,8 @@ class ReadOptions(Checked):
         Which of several skeletons, by the name of its root.
     salvage : bool
         Keep the whole frames of a recording that was cut off.
+    encoding : str, optional
+        That of names in a text file; found out by default.
     """
 
     title: ClassVar[str] = "What is said of a capture"
@@ -68,5 +70,11 @@ class ReadOptions(Checked):
         "them.",
     )
     salvage: bool = option(
-        False, "Keep the whole frames of a recording that was cut off, and leave the rest out."
+        False,
+        "Keep the whole frames of a recording that was cut off; fill what is no number from the "
+        "frames beside it.",
+    )
+    encoding: str | None = option(
+        None,
+        "Encoding of the names in a text, such as GBK or Shift-JIS; found out by default.",
     )

@@ -145,8 +145,8 @@ class PointsReader(Reader, Protocol):
 class ChoosingReader(Reader, Protocol):
     """Read the files of a format that may hold several motions or skeletons, or be mended.
 
-    `choices` names the fields of `ReadOptions` that it obeys, among "animation", "character" and
-    "salvage".
+    `choices` names the fields of `ReadOptions` that it obeys, among "animation", "character",
+    "salvage" and "encoding".
     """
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,9 +11,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.errors import FormatError
+from roundelay.base.errors import FormatError, RoundelayWarning
 from roundelay.base.files import content, written_beside
 from roundelay.formats import decimals
+from roundelay.formats.encodings import in_utf8
 from roundelay.formats.sane import LARGEST, fault_of_size, require_memory
 
 __all__ = [
@@ -23,9 +25,11 @@ __all__ = [
     "lines",
     "load",
     "numbers",
+    "parted",
     "rows",
     "save",
     "shown",
+    "with_points",
     "without_comments",
 ]
 
@@ -33,6 +37,10 @@ _TOKEN = re.compile(rb"[{}]|[^\s{}]+")
 _LINE_END = re.compile(rb"[\n{}]")
 _WORD = re.compile(rb"\S+")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
+# Between a digit and the sign of the next number.
+_GLUED = re.compile(rb"(?<=[0-9.])(?=[+-])")
+_COMMA = re.compile(rb"(?<=[0-9]),(?=[0-9])")
+_OFFSET = re.compile(rb"offset[^\n{}]*", re.IGNORECASE)
 _SHOWN = 40
 _SMALL = 1 << 16
 _BLOCK = 1 << 16
@@ -67,7 +75,8 @@ class Source:
         except UnicodeDecodeError as error:
             at = start + error.start
             found = self.data[at]
-            raise self.error(f"expected UTF-8 text, found byte 0x{found:02x}", at) from None
+            told = f"expected UTF-8 text, found byte 0x{found:02x}"
+            raise self.error(f"{told}; name its encoding by --encoding", at) from None
 
     @property
     def end(self) -> int:
@@ -83,8 +92,16 @@ class Token:
     at: int
 
 
-def load(path: Path) -> Source:
+def load(path: Path, encoding: str | None = None) -> Source:
     """Read a text file: UTF-8, a byte order mark allowed; LF, CRLF or CR ends a line.
+
+    Text in UTF-16 with its mark, in GBK or in Shift-JIS is turned into UTF-8, with a note.
+
+    Parameters
+    ----------
+    path : Path
+    encoding : str, optional
+        That of the file; found out by default.
 
     Raises
     ------
@@ -93,9 +110,7 @@ def load(path: Path) -> Source:
     OSError
         If it cannot be read.
     """
-    data = content(path)
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise FormatError("expected UTF-8 text, found UTF-16", path=path, line=1, column=1)
+    data = in_utf8(path, content(path), encoding)
     source = Source(path, data.removeprefix(b"\xef\xbb\xbf"))
     if not source.data.strip():
         raise source.error("expected a motion capture, found an empty file", 0)
@@ -134,6 +149,12 @@ class Cursor:
     def __init__(self, source: Source, position: int = 0) -> None:
         self.source = source
         self.position = position
+
+    def follows(self, *words: str) -> bool:
+        """Tell whether the next word is one of some words in any case; it stays the next."""
+        match = _TOKEN.search(self.source.data, self.position)
+        found = b"" if match is None else match.group().lower()
+        return found in {word.lower().encode() for word in words}
 
     def next(self, expected: str) -> Token:
         """Return the next word.
@@ -202,8 +223,17 @@ def shown(text: str) -> str:
     return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "...")
 
 
-def numbers(source: Source, start: int) -> NDArray[np.float64]:
+def numbers(source: Source, start: int, *, salvage: bool = False) -> NDArray[np.float64]:
     """Return the numbers (n,) from a byte offset to the file's end.
+
+    Numbers that stand glued together, as in ``66.8-0.01``, are parted, with a note.
+
+    Parameters
+    ----------
+    source : Source
+    start : int
+    salvage : bool
+        Give NaN for words that are no number.
 
     Raises
     ------
@@ -212,8 +242,47 @@ def numbers(source: Source, start: int) -> NDArray[np.float64]:
     """
     values = decimals.parse(source.data, start)
     if values is None:
+        values = _parted(source, start)
+    if values is None and salvage:
+        words = _GLUED.sub(b" ", source.data[start:]).split()
+        return np.array([float(x) if decimals.is_number(x) else np.nan for x in words])
+    if values is None:
         raise _bad_number(source, start)
     return values
+
+
+def _parted(source: Source, start: int) -> NDArray[np.float64] | None:
+    """Return numbers some of which are glued, or None if that is not all that is wrong."""
+    parted, count = _GLUED.subn(b" ", source.data[start:])
+    values = decimals.parse(parted) if count else None
+    if values is not None:
+        at = start + _GLUED.search(source.data[start:]).start()  # type: ignore[union-attr]
+        warned = source.error(f"{count} numbers that stand glued together are parted", at)
+        warnings.warn(str(warned), RoundelayWarning, stacklevel=2)
+    return values
+
+
+def parted(line: bytes) -> list[bytes]:
+    """Return the words of a line of numbers, glued ones parted."""
+    return _GLUED.sub(b" ", line).split()
+
+
+def with_points(source: Source) -> Source:
+    """Return a BVH whose numbers have decimal points for commas, if commas are all they have.
+
+    Those before MOTION follow OFFSET; names keep their commas.
+    """
+    if b"," not in source.data:
+        return source
+    start = max(source.data.lower().rfind(b"motion"), 0)
+    body = source.data[start:]
+    if b"," not in body or b"." in body:
+        return source
+    head = _OFFSET.sub(lambda match: match.group().replace(b",", b"."), source.data[:start])
+    warnings.warn(
+        f"{source.path}: decimal commas are read as points", RoundelayWarning, stacklevel=2
+    )
+    return Source(source.path, head + _COMMA.sub(b".", body))
 
 
 def check_proportion(source: Source, at: int, frames: int, joints: int) -> None:

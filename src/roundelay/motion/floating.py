@@ -106,14 +106,20 @@ def motion_of_points(points: Points, *, fill: bool = True, max_gap: float | None
         raise ValueError(f"expected a longest gap of 0 seconds or more, found {max_gap:g}")
     points = _well_seen(_likely(expected(Points, points)))
     planar, positions = points.dimensions == 2, _in_space(points)
-    seen = points.seen & ~outliers(positions, points.seen, _extent(positions, points.seen))
-    frame = trunk_frame(positions, seen, trunk_of(points.names, positions, seen), planar=planar)
+    size = _extent(positions, points.seen)
+    seen = points.seen & ~outliers(positions, points.seen, size)
+    trunk = trunk_of(points.names, positions, seen)
+    # In the frame of the body points move less, so that smaller jumps are seen.
+    frame = trunk_frame(positions, seen, trunk, planar=planar)
+    seen &= ~outliers(frame.inside(positions), seen, size)
+    frame = trunk_frame(positions, seen, trunk, planar=planar)
     longest = None if max_gap is None else round(max_gap * points.fps)
     inside, gaps = fill_gaps(
         frame.inside(positions),
         seen,
         points.names,
-        size=_extent(positions, seen),
+        size=size,
+        reach=max(1, round(GAPS.speed * points.fps)),
         longest=longest if fill else 0,
     )
     if gaps:

@@ -86,10 +86,30 @@ def trunk_frame(positions: Array, seen: Mask, trunk: Places, *, planar: bool) ->
         asked = f"frames in which {needed} points of the trunk are seen"
         raise TooShort(f"expected {asked}; of {len(trunk)} at most {most} are seen at once")
     shape = _shape(x, mask, needed, planar)
+    mask = _keeping(x, mask, shape, needed, planar)
     turns, places = _carried(x, mask, shape, planar)
     known = np.flatnonzero(mask.sum(axis=1) >= needed)
     turns, places = _bridged(turns, places, known, len(x))
     return Frame(places, turns, trunk, shape)
+
+
+def _keeping(x: Array, mask: Mask, shape: Array, needed: int, planar: bool) -> Mask:
+    """Return what is seen (F, k) of a trunk without what lies far off its place in the shape.
+
+    Where too little would be left, all stays.
+    """
+    for _ in range(FRAME.rounds):
+        turns, places = _carried(x, mask, shape, planar)
+        off = np.linalg.norm(x - places[:, None] - rot.rotate(turns[:, None], shape), axis=2)
+        usual = np.array([np.median(one[own]) for one, own in zip(off.T, mask.T, strict=True)])
+        far = mask & (off > FRAME.off * usual)
+        # One a frame, the farthest: it may have pulled the others off.
+        worst = far & (off == np.where(mask, off, 0.0).max(axis=1, keepdims=True))
+        worst[mask.sum(axis=1) <= needed] = False
+        if not worst.any():
+            break
+        mask = mask & ~worst
+    return mask
 
 
 def _shape(x: Array, mask: Mask, needed: int, planar: bool) -> Array:

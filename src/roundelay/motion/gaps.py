@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.numeric import TINY
+from roundelay.base.numeric import SMALLEST, TINY
 from roundelay.base.spans import Spans
 from roundelay.motion.poses import Mask
 from roundelay.motion.thresholds import GAPS
@@ -62,7 +62,9 @@ def gaps_in_words(gaps: Sequence[Gap], frames: int, points: int) -> str:
     """
     share = sum(map(len, gaps)) / (frames * points)
     missed = sorted({gap.point for gap in gaps})
-    named = ", ".join(missed[:3]) + (f" and {len(missed) - 3} others" if len(missed) > 3 else "")
+    named = ", ".join(missed[:3]) + (
+        f" and {_counted(len(missed) - 3, 'other')}" if len(missed) > 3 else ""
+    )
     told = f"{_counted(len(gaps), 'gap')} of {named}, {share:.1%} of all positions, filled"
     longest = max(gaps, key=len)
     told += f"; the longest, {_span(longest)}"
@@ -102,20 +104,19 @@ def outliers(positions: Array, seen: Mask, size: float) -> Mask:
 def _jumping(path: Array, frames: NDArray[np.intp], size: float) -> Mask:
     """Tell which places of a path (n, d) lie far off the median of their neighbours.
 
-    The median of a window of two frames to either side, on the path without its own course: the
-    mean of the medians before and behind.
+    The median of a window of the frames to either side, mirrored at the ends.
     """
     reach, count = GAPS.reach, len(path)
     if count < 2 * reach + 1:
         return np.zeros(count, bool)
-    padded = np.pad(path, ((reach, reach), (0, 0)), mode="edge")
+    padded = np.pad(path, ((reach, reach), (0, 0)), mode="reflect")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=0)
     middle = np.median(windows, axis=-1)
     off = np.linalg.norm(path - middle, axis=1)
     usual = float(np.median(off[off > 0.0])) if np.any(off > 0.0) else 0.0
     # Where the point moves fast, a place may lie as far off as the steps around it are long.
-    steps = np.linalg.norm(np.diff(middle, axis=0), axis=1)
-    around = np.maximum(np.append(steps, 0.0), np.insert(steps, 0, 0.0))
+    steps = np.pad(np.linalg.norm(np.diff(middle, axis=0), axis=1), reach)
+    around = np.lib.stride_tricks.sliding_window_view(steps, 2 * reach).max(axis=1)
     return np.asarray(off > np.maximum(GAPS.usual * usual, GAPS.apart * size) + 2.0 * around)
 
 
@@ -125,6 +126,7 @@ def fill_gaps(
     names: Sequence[str],
     *,
     size: float,
+    reach: int,
     longest: int | None = None,
 ) -> tuple[Array, tuple[Gap, ...]]:
     """Fill what is missing of points in the frame of their body.
@@ -139,6 +141,8 @@ def fill_gaps(
         Of the points.
     size : float
         Of the body, in the unit of the positions.
+    reach : int
+        Frames to either side from which speeds are told.
     longest : int, optional
         Longer gaps stay open; by default those that cannot be predicted.
 
@@ -148,7 +152,7 @@ def fill_gaps(
     gaps : tuple of Gap
     """
     filled = _straight(inside, seen)
-    poses = _Poses(filled, seen, size)
+    poses = _Poses(filled.copy(), seen, size, reach)
     found: list[Gap] = []
     for point in np.flatnonzero(~seen.all(axis=0)).tolist():
         best: dict[tuple[int, tuple[Way, ...]], Way] = {}
@@ -177,15 +181,19 @@ def _straight(inside: Array, seen: Mask) -> Array:
 class _Poses:
     """What the rest of a body tells of a point."""
 
-    def __init__(self, straight: Array, seen: Mask, size: float) -> None:
+    def __init__(self, straight: Array, seen: Mask, size: float, reach: int) -> None:
         self._places, self._seen, self._size = straight, seen, size
-        speed = np.gradient(straight, axis=0) if len(straight) > 1 else np.zeros_like(straight)
+        frames = np.arange(len(straight))
+        ahead, behind = np.minimum(frames + reach, frames[-1]), np.maximum(frames - reach, 0)
+        speed = straight[ahead] - straight[behind]
         # A frame's speed counts like its pose.
-        usual = np.sqrt(np.mean(np.var(straight, axis=0)))
-        quick = np.sqrt(np.mean(np.square(speed)))
-        both = np.concatenate([straight, speed * (usual / max(quick, TINY))], axis=2)
-        self._features = both - both.mean(axis=0)
-        self._squares = np.sum(self._features**2, axis=2)
+        speed *= np.sqrt(np.mean(np.var(straight, axis=0)) / max(float(np.mean(speed**2)), TINY))
+        known = np.stack([seen, seen[ahead] & seen[behind]], axis=2).astype(float)
+        values = np.stack([straight - straight.mean(axis=0), speed], axis=2) * known[..., None]
+        count = len(frames), seen.shape[1]
+        self._values = values.reshape(*count, -1)
+        self._squares = np.sum(values**2, axis=-1)
+        self._known = known
 
     def ways(self, start: int, stop: int) -> tuple[Way, ...]:
         """Return the ways in which a gap can be filled: by what is seen around it and during it."""
@@ -267,13 +275,19 @@ class _Poses:
         nearest = np.argpartition(apart, count - 1, axis=1)[:, :count]
         least = TINY * self._size**2
         weight = 1.0 / np.maximum(np.take_along_axis(apart, nearest, axis=1), least)
+        weight += SMALLEST
         weight /= weight.sum(axis=1, keepdims=True)
         return np.asarray(np.einsum("fk,fkd->fd", weight, self._places[known[nearest], point]))
 
     def _apart(self, point: int, asked: NDArray[np.intp], known: NDArray[np.intp]) -> Array:
-        """Return squared distances (n, m) of frames, by all points but one."""
-        own = self._features.reshape(len(self._features), -1)
-        mine = self._features[:, point]
-        products = own[asked] @ own[known].T - mine[asked] @ mine[known].T
-        squares = self._squares.sum(axis=1) - self._squares[:, point]
-        return np.asarray(squares[asked, None] - 2.0 * products + squares[known])
+        """Return mean squared distances (n, m) of frames, by what both show of the other points."""
+
+        def product(first: Array, second: Array) -> Array:
+            a, b = first[asked], second[known]
+            whole = a.reshape(len(a), -1) @ b.reshape(len(b), -1).T
+            return np.asarray(whole - a[:, point] @ b[:, point].T)
+
+        squares = product(self._squares, self._known) + product(self._known, self._squares)
+        shared = product(self._known, self._known)
+        apart = np.maximum(squares - 2.0 * product(self._values, self._values), 0.0)
+        return np.where(shared > 0.0, apart / np.maximum(shared, 1.0), np.inf)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -37,9 +38,15 @@ def trunk_of(names: Sequence[str], positions: Array, seen: Mask) -> Places:
         return np.array(sorted(places[name] for name in one.trunk if name in places), np.intp)
     changes, lengths = _distances(positions, seen)
     middle = _middle(changes + FRAME.nearness * lengths, lengths)
-    loose = changes[middle].copy()
-    third = np.sort(loose)[min(3, len(loose) - 1)]
-    return np.flatnonzero(loose <= FRAME.loose * third)
+    order = np.argsort(changes[middle], kind="stable")
+    third = changes[middle, order[min(3, len(order) - 1)]]
+    limit = max(FRAME.loose * third, FRAME.noise * lengths.max())
+    # All distances of the trunk count: what turns about the middle keeps its distance to it.
+    trunk: list[int] = []
+    for point in order.tolist():
+        if not trunk or changes[point, trunk].max() <= limit:
+            trunk.append(point)
+    return np.array(sorted(trunk), np.intp)
 
 
 def _middle(costs: Array, lengths: Array) -> int:
@@ -66,12 +73,15 @@ def _distances(positions: Array, seen: Mask) -> tuple[Array, Array]:
     few = np.unique(np.linspace(0, len(seen) - 1, FRAME.frames).round().astype(int))
     x, mask = positions[few], seen[few]
     both = mask[:, :, None] & mask[:, None]
-    count = np.maximum(both.sum(axis=0), 1)
-    apart = np.where(both, np.linalg.norm(x[:, :, None] - x[:, None], axis=-1), 0.0)
-    lengths = apart.sum(axis=0) / count
-    changes = np.sqrt(np.where(both, (apart - lengths) ** 2, 0.0).sum(axis=0) / count)
+    apart = np.where(both, np.linalg.norm(x[:, :, None] - x[:, None], axis=-1), np.nan)
+    with warnings.catch_warnings():
+        # Of those never seen together there is no median.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        # An outlier is no change: nine tenths of the frames count.
+        low, lengths, high = np.nanquantile(apart, (FRAME.tail, 0.5, 1.0 - FRAME.tail), axis=0)
+        changes = 0.5 * (high - low)
     never = ~both.any(axis=0)
-    changes[never], lengths[never] = changes.max(), lengths.max()
+    changes[never], lengths[never] = np.nanmax(changes), np.nanmax(lengths)
     return changes, lengths
 
 

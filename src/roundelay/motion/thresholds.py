@@ -38,8 +38,21 @@ class _Frame(Thresholds):
         200, unit="frames", origin="of a take from which the trunk's shape is learned; for speed"
     )
     rounds: int = constant(5, unit="rounds", origin="of shapes; they change no more")
+    off: float = constant(
+        5.0,
+        unit="times its usual distance",
+        origin="a point of the trunk that lies so far off its place carries no weight; " + BY_EYE,
+    )
     lowest: float = constant(
         0.05, unit="quantile of the points", origin="is the lowest of a body; one may be wrong"
+    )
+    tail: float = constant(
+        0.05, unit="share of the frames", origin="at either end that may be outliers; " + BY_EYE
+    )
+    noise: float = constant(
+        0.005,
+        unit="longest distance of points",
+        origin="distances that change no more change by noise, some 8 mm of a person",
     )
     loose: float = constant(
         2.0,
@@ -75,8 +88,11 @@ class _Gaps(Thresholds):
         0.8, unit="quantile of the points", origin="by which a body's size is told; " + BY_EYE
     )
     tries: int = constant(6, unit="gaps", origin="made to compare the ways of filling; for speed")
+    speed: float = constant(
+        0.05, unit="seconds", origin="to either side: speeds of limbs above the noise of markers"
+    )
     shown: float = constant(
-        0.5, unit="share of all points", origin="seen during a gap to tell what is missing"
+        0.35, unit="share of all points", origin="seen during a gap to tell what is missing"
     )
     nearest: int = constant(4, unit="frames", origin="most alike, whose mean is taken; " + BY_EYE)
     poses: int = constant(2000, unit="frames", origin="that are looked through; for speed")

@@ -74,9 +74,14 @@ def _rows() -> Iterator[dict[str, Any]]:
         for seed in range(SEEDS):
             made = synth.gait(kind, repetitions=6.3, fps=fps, unevenness=0.1, noise=0.01, rng=seed)
             hidden = synth.as_points(
-                made, dimensions=dimensions, gaps=GAPS, outliers=OUTLIERS, noise=NOISE, rng=seed
+                made.motion,
+                dimensions=dimensions,
+                gaps=GAPS,
+                outliers=OUTLIERS,
+                noise=NOISE,
+                rng=seed,
             )
-            whole = synth.as_points(made, dimensions=dimensions)
+            whole = synth.as_points(made.motion, dimensions=dimensions)
             yield {"take": f"{kind} {dimensions}D {seed}"} | _measured(made, hidden, whole)
 
 

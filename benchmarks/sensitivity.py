@@ -10,7 +10,8 @@ or none), in the number of cycles or segments, in the period (by more than 1 %),
 (by more than 1 %; a cut by more than .25 s). Half of the captures are drawn evenly from the walks
 and runs of [C], half from those in FOLDER/truth; constants of segmentation are tried on the
 captures with labels, those of comparing cycles on the cycles of all captures, as a library, those
-of bodies and loops on the loops of every second capture, those of faults on all loops, clean and
+of bodies and loops on the loops of every second capture, those of points on the captures as markers
+with gaps, outliers and noise, those of faults on all loops, clean and
 with the faults of `benchmarks.check` at their least.
 `--only` takes names and beginnings of names, `--keep` puts each result, as soon as it is there,
 into benchmarks/results/sensitivity.json.
@@ -40,6 +41,7 @@ from benchmarks._harness import RESULTS, parser, report
 from benchmarks.check import FAULTS, METRES, Loop, in_form
 from benchmarks.raunio import TABLES, find_capture
 from benchmarks.segmentation_data import FULL, labelled
+from roundelay import synth
 from roundelay.base.thresholds import Constant, Value, constants, overridden
 from roundelay.compare.spectra import Spectra
 from roundelay.cycles.edit.align import align
@@ -54,6 +56,7 @@ from roundelay.loops.profiles import foot_contacts
 from roundelay.loops.units import Lengths
 from roundelay.loops.verdict import verdict_of
 from roundelay.motion.features import point_cloud
+from roundelay.motion.floating import motion_of_points, points_of_motion
 from roundelay.segmentation import segment_channels
 from roundelay.segmentation.gmm import GMMOptions
 from roundelay.segmentation.ppca import PPCAOptions
@@ -247,6 +250,8 @@ def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
         "phase.mixture": _centroids,
         "cycles.weighted": _weighted,
         "cycles.alignment": _aligned,
+        "motion.frame": _pointed,
+        "motion.gaps": _pointed,
         "topology.significance": _classes,
         "topology.lattice": _classes,
     }
@@ -317,6 +322,25 @@ def _closed() -> Iterator[Outcome]:
 def _closed_half(motion: rl.Motion, options: CloseOptions) -> Outcome:
     closed = close_by_hand(motion, (len(motion) // 4, 3 * len(motion) // 4), options)
     return Outcome(1, closed.loop.duration, (*map(float, closed.frames), closed.apart))
+
+
+def _pointed() -> Iterator[Outcome]:
+    """The captures as markers with gaps, outliers and noise."""
+    for motion in _MOTIONS:
+        size = motion.skeleton.size
+        whole = synth.as_points(motion)
+        hidden = synth.as_points(motion, gaps=0.2, outliers=0.02, noise=0.002 * size)
+        yield _guarded(lambda h=hidden, w=whole, s=size: _cycle_of_points(h, w, s))
+
+
+def _cycle_of_points(hidden: rl.Points, whole: rl.Points, size: float) -> Outcome:
+    motion = motion_of_points(hidden)
+    off = points_of_motion(motion).positions - whole.positions
+    error = float(np.sqrt(np.mean(off[~hidden.seen] ** 2))) / size
+    gaps = motion.skeleton.layout.gaps
+    away = sum(gap.way == "open" for gap in gaps) / len(gaps)
+    found = _guarded(lambda: _cycle_of(motion, Options()))
+    return Outcome(found.number, found.period, (error, away), slack=0.002, failed=found.failed)
 
 
 def _weighted() -> Iterator[Outcome]:

@@ -164,7 +164,7 @@ def quadruped() -> Skeleton:
 
 
 def as_points(
-    made: Synthetic,
+    motion: Motion,
     *,
     dimensions: Literal[2, 3] = 3,
     gaps: float = 0.0,
@@ -172,11 +172,12 @@ def as_points(
     noise: float = 0.0,
     rng: _Rng = 0,
 ) -> Points:
-    """Show a made motion as markers, or as keypoints of a camera that looks at it from its side.
+    """Show a motion as markers, or as keypoints of a camera that looks at it from its side.
 
     Parameters
     ----------
-    made : Synthetic
+    motion : Motion
+        Y up.
     dimensions : {2, 3}
         In 2 the camera looks along X, so that what walks goes across the picture; in units of the
         body, as a picture's pixels would be.
@@ -193,8 +194,7 @@ def as_points(
     -------
     Points
     """
-    draw, motion = np.random.default_rng(rng), made.motion
-    points = points_of_motion(motion)
+    draw, points = np.random.default_rng(rng), points_of_motion(motion)
     positions = points.positions + draw.normal(scale=noise or 1.0, size=points.positions.shape) * (
         noise > 0.0
     )

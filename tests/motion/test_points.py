@@ -13,7 +13,7 @@ from roundelay.motion.floating import motion_of_points, points_of_motion
 
 def _walk(**hidden):
     made = synth.gait("walk", repetitions=6.0, fps=60.0)
-    return made, synth.as_points(made, **hidden)
+    return made, synth.as_points(made.motion, **hidden)
 
 
 def _quiet(points, **how):
@@ -117,7 +117,7 @@ def test_an_animal_seen_from_above_has_no_heading():
     motion = motion_of_points(above)
     assert motion.up == 2
     straight = synth.gait("trot", repetitions=6.0, fps=60.0)
-    side = synth.as_points(straight, dimensions=2)
+    side = synth.as_points(straight.motion, dimensions=2)
     assert motion_of_points(side).up == 1
 
 
@@ -190,7 +190,7 @@ def test_points_never_seen_together_are_too_short():
 def test_periods_of_points_are_found(kind, dimensions):
     made = synth.gait(kind, repetitions=6.3, fps=60.0, noise=0.01, rng=1)
     points = synth.as_points(
-        made, dimensions=dimensions, gaps=0.2, outliers=0.02, noise=0.004, rng=1
+        made.motion, dimensions=dimensions, gaps=0.2, outliers=0.02, noise=0.004, rng=1
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", GapsFilled)

@@ -29,7 +29,7 @@ def test_what_a_file_holds(walk, tmp_path, suffix):
     told = json.loads(runner.invoke(app, ["info", str(path), "--json"]).stdout)
     assert (told["frames"], told["joints"], told["up"]) == (len(walk), 19, "Y")
     several = suffix != "bvh"
-    assert told["characters"] == (["Hips"] if several else [])
+    assert told["characters"] == ["Hips"]
     assert len(told["animations"]) == int(several)
     assert told["conventions"].get("up") == ("Y" if several else None)
 
@@ -39,14 +39,3 @@ def test_a_choice_that_a_format_does_not_have(walk, tmp_path):
     shown = runner.invoke(app, ["info", str(tmp_path / "walk.amc"), "--animation", "run"])
     assert shown.exit_code == 2
     assert "expected no --animation: walk.amc is of a format without such a choice" in shown.stderr
-
-
-def test_a_library_counts_what_it_does_not_read(walk, tmp_path):
-    folder = tmp_path / "in"
-    folder.mkdir()
-    rl.write(walk, folder / "walk.bvh")
-    for name in ("a.vmd", "b.vmd", "c.ma"):
-        (folder / name).write_text("of another program")
-    words = ["library", str(folder), "-o", str(tmp_path / "out"), "--jobs", "1"]
-    shown = runner.invoke(app, words)
-    assert "roundelay: note: there is no reader of 1 MA, 2 VMD: not read" in shown.stderr

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -85,7 +84,6 @@ def library(
 
     with one_line_errors():
         started = time.monotonic()
-        _tell_not_read(sources)
         try:
             with _bar(quiet=json) as progress:
                 made = build_library(
@@ -105,17 +103,6 @@ def library(
         else:
             _print_summary(made, output, time.monotonic() - started)
     raise typer.Exit(_code(made))
-
-
-def _tell_not_read(sources: Sequence[Path]) -> None:
-    """Count the files of motion that no reader knows, by kind."""
-    from roundelay.library.captures import files_not_read
-
-    others = [path for source in sources if source.is_dir() for path in files_not_read(source)]
-    kinds = Counter(path.suffix[1:].upper() for path in others)
-    if kinds:
-        told = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
-        echo(f"roundelay: note: there is no reader of {told}: not read", err=True)
 
 
 def _limits(seconds: float, megabytes: int | None) -> Limits | None:

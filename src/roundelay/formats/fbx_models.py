@@ -17,6 +17,7 @@ from roundelay.formats.clock import Clock
 from roundelay.formats.fbx_document import Fbx, Object, Properties
 from roundelay.formats.fbx_takes import Channel
 from roundelay.formats.nodes import Tree
+from roundelay.formats.posed import matrix_of
 from roundelay.geometry import rotations as rot
 
 __all__ = ["Models", "PlacedModels", "models_of"]
@@ -133,6 +134,11 @@ class PlacedModels:
         own, parent = self.scales[node], self.models.tree.parents[node]
         alone = self.models.known[node].whole("InheritType", 0) == _WITHOUT_PARENT
         return own / self.scales.get(parent, 1.0) if alone else own
+
+    def local(self, node: int) -> Array:
+        """Return the matrix (4, 4) of a model on its parent at rest."""
+        scale = np.array(self.models.known[node].vector("Lcl Scaling", 1.0))
+        return matrix_of(self.places(node)[0], self.turns(node)[0], scale)
 
     def values(self, node: int, kind: str) -> Array:
         """Return translation, angles or scales (1 + F, 3): at rest, then in every frame."""

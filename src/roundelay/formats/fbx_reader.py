@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from roundelay.formats.clock import Clock, common_clock
 from roundelay.formats.contents import Contents
 from roundelay.formats.fbx_document import Fbx, Properties, load
+from roundelay.formats.fbx_figure import read_figure
 from roundelay.formats.fbx_models import Models, PlacedModels, models_of
 from roundelay.formats.fbx_takes import Channel, Take, takes_of
 from roundelay.formats.nodes import Tree, called, different, listed, note
@@ -78,7 +80,8 @@ class FbxReader:
         check_proportion(models.tree, len(clock.times), len(joints), fbx.size)
         placed = PlacedModels(models, used, clock)
         placed.scales.update(_scales(models.tree, placed, nodes))
-        motion = posed(models.tree, placed, Chosen(joints, ends), clock.step, path.stem)
+        chosen, dresser = Chosen(joints, ends), partial(read_figure, models)
+        motion = posed(models.tree, placed, chosen, clock.step, path.stem, dresser)
         unit = _unit(fbx)
         motion = motion if unit == 1.0 else motion.scaled(unit)
         return replace(motion, up=min(max(fbx.settings.whole("UpAxis", 1), 0), 2))

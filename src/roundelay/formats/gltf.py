@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from roundelay.base.files import written_beside
 from roundelay.base.version import __version__
+from roundelay.formats.gltf_buffer import Buffer
+from roundelay.formats.gltf_figure_writer import shown
 from roundelay.formats.moving import moving_joints
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics
@@ -27,29 +29,7 @@ __all__ = ["GltfWriter"]
 Array = NDArray[np.float64]
 Json = dict[str, Any]
 
-_FLOAT = 5126
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
-
-
-class _Buffer:
-    """Arrays of 32-bit floats, one after the other, with their accessors."""
-
-    def __init__(self) -> None:
-        self.data = bytearray()
-        self.views: list[Json] = []
-        self.accessors: list[Json] = []
-
-    def add(self, kind: str, values: Array, *, limits: bool = False) -> int:
-        """Append values (n, ...) of a kind such as "VEC3"; return the accessor's number."""
-        rows = np.ascontiguousarray(values, "<f4").reshape(len(values), -1)
-        number = len(self.accessors)
-        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": rows.nbytes})
-        accessor = {"bufferView": number, "componentType": _FLOAT, "count": len(rows), "type": kind}
-        if limits:
-            accessor |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
-        self.accessors.append(accessor)
-        self.data += rows.tobytes()
-        return number
 
 
 class GltfWriter:
@@ -65,21 +45,20 @@ class GltfWriter:
 
         The vertical axis becomes Y, as the format demands; lengths stay in the motion's unit (the
         format thinks of metres: see `Motion.scaled`). Ends of limbs become joints ``NAME_end``.
-        Bones that change length move as they do in the motion.
+        Bones that change length move as they do in the motion. The skeleton's figure, if it has
+        one, is shown by the joints.
 
         Raises
         ------
         OSError
             If the file cannot be written.
         """
-        buffer = _Buffer()
+        buffer = Buffer()
         upright = rot.axis_to_y(motion.up)
         document = {
             "asset": {"version": "2.0", "generator": f"roundelay {__version__}"},
             "scene": 0,
-            "scenes": [{"nodes": [0]}],
-            "nodes": _nodes(motion, upright),
-            "skins": [_skin(motion, upright, buffer)],
+            **_body(motion, upright, buffer),
             "animations": [_animation(motion, upright, buffer)],
             "bufferViews": buffer.views,
             "accessors": buffer.accessors,
@@ -88,6 +67,18 @@ class GltfWriter:
         content = _binary if path.suffix.lower() == ".glb" else _text
         with written_beside(path) as part:
             part.write_bytes(content(document, bytes(buffer.data)))
+
+
+def _body(motion: Motion, upright: Array, buffer: Buffer) -> Json:
+    """Make the nodes and what they show: a figure stands as in the first frame."""
+    nodes, skin = _nodes(motion, upright), _skin(motion, upright, buffer)
+    figure = motion.skeleton.figure
+    if figure is None:
+        return {"scenes": [{"nodes": [0]}], "nodes": nodes, "skins": [skin]}
+    for joint, turn in enumerate(motion.rotations[0]):
+        nodes[joint]["rotation"] = _xyzw(rot.multiply(upright, turn) if joint == 0 else turn)
+    nodes[0]["translation"] = _turned(upright, motion.root_path[0])
+    return shown(figure, motion.skeleton.names, nodes, skin, buffer)
 
 
 def _nodes(motion: Motion, upright: Array) -> list[Json]:
@@ -106,7 +97,7 @@ def _nodes(motion: Motion, upright: Array) -> list[Json]:
     return nodes
 
 
-def _skin(motion: Motion, upright: Array, buffer: _Buffer) -> Json:
+def _skin(motion: Motion, upright: Array, buffer: Buffer) -> Json:
     """Make all nodes joints; the inverse of each one's place at rest is its bind matrix."""
     skeleton = motion.skeleton
     rest = np.tile([1.0, 0.0, 0.0, 0.0], (1, skeleton.n_joints, 1))
@@ -120,7 +111,7 @@ def _skin(motion: Motion, upright: Array, buffer: _Buffer) -> Json:
     return {"inverseBindMatrices": bind, "skeleton": 0, "joints": list(range(len(places)))}
 
 
-def _animation(motion: Motion, upright: Array, buffer: _Buffer) -> Json:
+def _animation(motion: Motion, upright: Array, buffer: Buffer) -> Json:
     """Move the root, turn every joint, and move the joints that leave their offsets."""
     turns = motion.rotations.copy()
     turns[:, 0] = rot.multiply(upright, turns[:, 0])

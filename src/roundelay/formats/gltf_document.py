@@ -33,6 +33,8 @@ _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "
 _DATA_URI = re.compile(r"data:[^,]*,", re.IGNORECASE)
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 _SHOWN = 40
+# Bytes of a picture that lies beside a file.
+_LARGEST_PICTURE = 1 << 28
 
 
 @dataclass(frozen=True)
@@ -219,6 +221,25 @@ class Document:
         if entry.has("sparse"):
             rows = self._replaced(entry.get("sparse"), rows)
         return _as_numbers(entry, rows)
+
+    def picture(self, image: Part) -> bytes:
+        """Return what an image holds; nothing where its file is not there.
+
+        Raises
+        ------
+        FormatError
+            If it does not lie within its buffer.
+        """
+        if image.has("bufferView"):
+            return bytes(self._view(self.entry("bufferViews", image.get("bufferView"))))
+        uri = image.get("uri", "")
+        embedded = _DATA_URI.match(uri.text())
+        if embedded:
+            return _decoded(uri, embedded, len(uri.value))
+        try:
+            return _beside(uri, _LARGEST_PICTURE)
+        except FormatError:
+            return b""
 
     def _rows(self, entry: Part, dtype: np.dtype[Any], count: int, width: int) -> NDArray[Any]:
         """Look at a buffer through an accessor, or the indices or values of a sparse one."""

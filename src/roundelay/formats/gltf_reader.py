@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +17,11 @@ from numpy.typing import NDArray
 from roundelay.formats.clock import Clock, common_clock
 from roundelay.formats.contents import Contents
 from roundelay.formats.gltf_document import Document, Part, load
+from roundelay.formats.gltf_figure import read_figure
 from roundelay.formats.gltf_keys import Track, read_track
 from roundelay.formats.nodes import Tree, called, different, listed, note
 from roundelay.formats.options import ReadOptions
-from roundelay.formats.posed import Chosen, check_proportion, even_scales, posed
+from roundelay.formats.posed import Chosen, check_proportion, even_scales, matrix_of, posed
 from roundelay.geometry import rotations as rot
 from roundelay.motion.motion import Motion
 
@@ -78,8 +80,9 @@ class GltfReader:
             raise animation.error(_MOVING, "none")
         clock = _clock(tree, list(used.values()))
         check_proportion(tree, len(clock.times), len(joints), document.loaded)
-        placed = _Placed(nodes, _scales(tree, nodes, used), used, clock)
-        return posed(tree, placed, Chosen(joints, ends), clock.step, path.stem)
+        placed = _Placed(parts, nodes, _scales(tree, nodes, used), used, clock)
+        chosen, dresser = Chosen(joints, ends), partial(read_figure, document)
+        return posed(tree, placed, chosen, clock.step, path.stem, dresser)
 
     def contents(self, path: Path) -> Contents:
         """List the animations and skeletons of a file."""
@@ -256,6 +259,7 @@ def _scales(
 class _Placed:
     """Give every node's place and rotation on its parent: at rest, then in every frame."""
 
+    parts: list[Part]
     nodes: dict[int, _Node]
     scales: dict[int, float]
     tracks: dict[tuple[int, str], Track]
@@ -269,6 +273,10 @@ class _Placed:
 
     def scale(self, node: int) -> float:
         return self.scales[node]
+
+    def local(self, node: int) -> Array:
+        known = self.nodes.get(node) or _read_node(self.parts[node])
+        return matrix_of(known.place, known.turn, known.scale)
 
     def _rows(self, node: int, kind: str, rest: Array) -> Array:
         track, count = self.tracks.get((node, kind)), len(self.clock.times)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -14,10 +14,20 @@ from roundelay.formats.moving import leave
 from roundelay.formats.nodes import Tree, different, listed, note
 from roundelay.formats.sane import LARGEST, require_memory
 from roundelay.geometry import rotations as rot
+from roundelay.geometry.figure import Figure
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
-__all__ = ["Chosen", "Placed", "check_proportion", "even_scales", "posed"]
+__all__ = [
+    "Bound",
+    "Chosen",
+    "Dresser",
+    "Placed",
+    "check_proportion",
+    "even_scales",
+    "matrix_of",
+    "posed",
+]
 
 Array = NDArray[np.float64]
 
@@ -42,6 +52,10 @@ class Placed(Protocol):
         """Return the one scale of a node, by which all below it is larger."""
         ...
 
+    def local(self, node: int) -> Array:
+        """Return the matrix (4, 4) of a node on its parent at rest."""
+        ...
+
 
 @dataclass(frozen=True)
 class Chosen:
@@ -59,7 +73,57 @@ class Chosen:
     ends: list[tuple[int, int]]
 
 
-def posed(tree: Tree, placed: Placed, chosen: Chosen, step: float, name: str) -> Motion:
+Dresser = Callable[["Bound"], Figure | None]
+"""Reads the figure that hangs on a skeleton."""
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Tell what a mesh on a node hangs on, and how it stands to that joint.
+
+    Parameters
+    ----------
+    tree : Tree
+    names : dict of int to str
+        Of the joints.
+    scales : dict of int to float
+        Of the axes of each joint, which a motion does not have.
+    locals : callable
+        Returns the matrix (4, 4) of a node on its parent at rest.
+    """
+
+    tree: Tree
+    names: dict[int, str]
+    scales: dict[int, float]
+    locals: Callable[[int], Array]
+
+    def holds(self, node: int) -> bool:
+        """Tell whether a node is a joint, or hangs on one."""
+        return node in self.names or any(up in self.names for up in self.tree.above(node))
+
+    def to(self, node: int) -> tuple[str, Array]:
+        """Return the joint that a node hangs on, and the matrix (4, 4) from the node to it.
+
+        What hangs on none stands still to the root, as it does at rest.
+        """
+        matrix, at = np.eye(4), node
+        while at >= 0 and at not in self.names:
+            matrix, at = self.locals(at) @ matrix, self.tree.parents[at]
+        if at < 0:
+            at = next(iter(self.names))
+            for step in [*self.tree.above(at), at]:
+                matrix = np.linalg.pinv(self.locals(step)) @ matrix
+        return self.names[at], np.diag([*[self.scales[at]] * 3, 1.0]) @ matrix
+
+
+def posed(
+    tree: Tree,
+    placed: Placed,
+    chosen: Chosen,
+    step: float,
+    name: str,
+    dresser: Dresser | None = None,
+) -> Motion:
     """Return the motion of the chosen nodes.
 
     The nodes above the root move it. One scale for all axes is multiplied into the lengths
@@ -74,6 +138,8 @@ def posed(tree: Tree, placed: Placed, chosen: Chosen, step: float, name: str) ->
         Seconds from one frame to the next.
     name : str
         Of the motion.
+    dresser : callable, optional
+        Reads the figure; one that is not sound is left out, with a note.
 
     Raises
     ------
@@ -95,9 +161,21 @@ def posed(tree: Tree, placed: Placed, chosen: Chosen, step: float, name: str) ->
     names = different([tree.names[joint] for joint in joints])
     skeleton = Skeleton(names, parents, places[1], tips)
     offsets, moved = _offsets(places, skeleton.size)
-    skeleton = Skeleton(names, parents, offsets, tips)
+    figure = None
+    if dresser is not None:
+        named = dict(zip(joints, names, strict=True))
+        figure = _figure(dresser, Bound(tree, named, factors, placed.local))
+    skeleton = Skeleton(names, parents, offsets, tips, figure=figure)
     translations = places[1:] if moved else None
     return Motion(skeleton, turns[1:], places[1:, 0], step, translations, name)
+
+
+def _figure(dresser: Dresser, bound: Bound) -> Figure | None:
+    try:
+        return dresser(bound)
+    except FormatError as error:
+        note(bound.tree.path, f"its meshes are left out: {error.message}")
+        return None
 
 
 def _root(tree: Tree, placed: Placed, chain: Sequence[int]) -> tuple[Array, Array, float]:
@@ -173,3 +251,11 @@ def check_proportion(tree: Tree, frames: int, joints: int, loaded: int) -> None:
         told = f"expected keys on most of the joints, found {frames} frames of {joints} joints"
         raise FormatError(f"{told} in {loaded} bytes", path=tree.path)
     require_memory(frames, joints)
+
+
+def matrix_of(place: Array, turn: Array, scale: Array) -> Array:
+    """Return the matrix (4, 4) of a place (3,), a rotation (4,) and scales (3,)."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = rot.to_matrix(turn) * scale
+    matrix[:3, 3] = place
+    return matrix

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from roundelay.base.checks import as_numbers, as_sequence
 from roundelay.base.errors import SkeletonMismatch
+from roundelay.geometry.figure import Figure
 
 __all__ = ["Skeleton"]
 
@@ -36,6 +37,8 @@ class Skeleton:
     free : bool
         Whether the joints are points that move freely against each other: markers or keypoints.
         The root is then the frame of the trunk and no point, and bones are lines to draw.
+    figure : Figure, optional
+        The meshes that hang on the joints, which are written to glTF.
 
     Raises
     ------
@@ -49,6 +52,7 @@ class Skeleton:
     end_sites: tuple[tuple[int, NDArray[np.float64]], ...] = ()
     layout: Any = field(default=None, repr=False)
     free: bool = False
+    figure: Figure | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         offsets = np.array(as_numbers(self.offsets, "offsets (J, 3)"), float)
@@ -158,7 +162,8 @@ class Skeleton:
     def scaled(self, factor: float) -> Skeleton:
         """Return the skeleton with every length multiplied by `factor`."""
         ends = tuple((joint, offset * factor) for joint, offset in self.end_sites)
-        return replace(self, offsets=self.offsets * factor, end_sites=ends)
+        figure = self.figure and self.figure.scaled(factor)
+        return replace(self, offsets=self.offsets * factor, end_sites=ends, figure=figure)
 
     def require_same(self, other: Skeleton) -> None:
         """Check that another skeleton has the same joints in the same tree.

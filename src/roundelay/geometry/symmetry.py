@@ -173,7 +173,12 @@ def reflected_skeleton(skeleton: Skeleton, other: Places, across: int, sideways:
     offsets[0] = skeleton.offsets[0] * reflection(sideways)
     ends = [(int(other[joint]), end * reflection(across)) for joint, end in skeleton.end_sites]
     ordered = tuple(sorted(ends, key=lambda end: end[0]))
-    return replace(skeleton, offsets=offsets, end_sites=ordered)
+    figure = skeleton.figure
+    if figure is not None:
+        names = skeleton.names
+        partner = {name: names[other[joint]] for joint, name in enumerate(names)}
+        figure = figure.mirrored(partner, reflection(across))
+    return replace(skeleton, offsets=offsets, end_sites=ordered, figure=figure)
 
 
 def reflected_rotations(rotations: Array, other: Places, across: int, sideways: int) -> Array:

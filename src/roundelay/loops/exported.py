@@ -152,9 +152,10 @@ def _on_axes(motion: Motion, axes: Array, up: int) -> Motion:
     skeleton, moved = motion.skeleton, motion.translations
     ends = tuple((joint, rot.rotate(axes, offset)) for joint, offset in skeleton.end_sites)
     offsets = rot.rotate(axes, skeleton.offsets)
+    figure = skeleton.figure and skeleton.figure.rebased(rot.to_matrix(axes))
     return replace(
         motion,
-        skeleton=Skeleton(skeleton.names, skeleton.parents, offsets, ends),
+        skeleton=Skeleton(skeleton.names, skeleton.parents, offsets, ends, figure=figure),
         rotations=rot.multiply(rot.multiply(axes, motion.rotations), rot.conjugate(axes)),
         root_path=rot.rotate(axes, motion.root_path),
         translations=None if moved is None else rot.rotate(axes, moved),
@@ -189,7 +190,7 @@ def _under_root(motion: Motion) -> Motion:
         moved = np.concatenate([ours, moved[:, 1:]], axis=1)
     return replace(
         motion,
-        skeleton=Skeleton((name, *skeleton.names), parents, offsets, ends),
+        skeleton=Skeleton((name, *skeleton.names), parents, offsets, ends, figure=skeleton.figure),
         rotations=np.concatenate([turns[:, :1], still, turns[:, 1:]], axis=1),
         root_path=motion.root_path - rot.rotate(turns[:, 0], offset),
         translations=moved,

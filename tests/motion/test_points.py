@@ -172,8 +172,9 @@ def test_nobody_in_the_picture_is_no_motion():
     motion = _quiet(rl.Points.from_array(positions, fps=60.0, names=points.names))
     assert not motion.shown[:39].any()
     assert motion.shown[41:].all()
-    spans = [span for each in rl.understand(motion).cyclic for span in each.spans]
-    assert min(start for start, _ in spans) >= 38
+    told = rl.understand(motion)
+    assert min(start for each in told.cyclic for start, _ in each.spans) >= 38
+    assert [each.spans for each in told.behaviours if each.kind == "unseen"] == [((0, 40),)]
 
 
 def test_points_never_seen_together_are_too_short():

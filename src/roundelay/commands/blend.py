@@ -62,7 +62,7 @@ def blend(
 
         shares = _shares(mixing, len(captures))
         place = place_of(output, name_of(captures[0]), suffixes_of(writers))
-        written = in_format_of(place, written, given)
+        written = in_format_of(place, written, given, captures[0], reading)
         cycles, sources = _best_cycles(captures, mixing.mirror, reading)
         mixed = blend_cycles(cycles, shares, by=mixing.by, mirror=mixing.mirror)
         loop = rendered(mixed, sources, written)
@@ -98,7 +98,7 @@ def transition(
         from roundelay.loops.recipe import rendered_motion
 
         place = place_of(output, name_of(first), suffixes_of(writers))
-        written = in_format_of(place, written, given)
+        written = in_format_of(place, written, given, first, reading)
         kind = f"to_{fitting(name_of(second), '', 80)}"
         path = place.file or place.path(kind, f".{written.file_format}")
         (start, end), sources = _best_cycles([first, second], joining.mirror, reading)

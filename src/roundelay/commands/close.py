@@ -63,7 +63,7 @@ def close(
 
         place = place_of(output, name_of(capture), suffixes_of(writers))
         refuse_over(capture, place)
-        written = in_format_of(place, written, given)
+        written = in_format_of(place, written, given, capture, reading)
         motion = read_capture(capture, skeleton, reading)
         frames = search.span(len(motion))
         if frames is None:

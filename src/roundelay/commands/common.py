@@ -272,8 +272,13 @@ def output_directory(path: Path) -> Path:
     return path
 
 
-def in_format_of(place: Place, written: LoopOptions, given: Collection[str]) -> LoopOptions:
-    """Return options of the format that the suffix of a file asks for, if it was named.
+def in_format_of(
+    place: Place, written: LoopOptions, given: Collection[str], capture: Path, reading: ReadOptions
+) -> LoopOptions:
+    """Return options of the format to write.
+
+    It is the one that the suffix of a file asks for, if a file was named; for points, if nothing
+    was asked for, their own.
 
     Parameters
     ----------
@@ -281,14 +286,22 @@ def in_format_of(place: Place, written: LoopOptions, given: Collection[str]) -> 
     written : LoopOptions
     given : collection of str
         The flags of the options that were given.
+    capture : Path
+        What is read, the first of several.
+    reading : ReadOptions
 
     Raises
     ------
     ValueError
         If another format was asked for, too, or the target does not read it.
+    FormatError
+        If no reader knows the capture's suffix.
     """
     if place.file is None:
-        return written
+        from roundelay.formats import format_of_points
+
+        own = None if {"format", "for"} & set(given) else format_of_points(capture, reading.suffix)
+        return written if own is None else written.in_format(own)
     suffix = place.file.suffix[1:].lower()
     if "format" in given and written.file_format != suffix:
         asked = f"--format {written.file_format}, found {place.file.name!r}"
@@ -314,9 +327,10 @@ def progress_bar(quiet: bool) -> Iterator[Progress | None]:
 
 def print_capture(capture: dict[str, Any]) -> None:
     """Say what was read, from the record of a capture."""
+    parts = f"{capture['points']} points" if "points" in capture else f"{capture['joints']} joints"
     echo(
         f"{shown(capture['file'])}: {capture['frames']} frames at {capture['fps']:.4g} fps, "
-        f"{capture['seconds']:.1f} s, {capture['joints']} joints"
+        f"{capture['seconds']:.1f} s, {parts}"
     )
 
 

@@ -57,7 +57,7 @@ def convert(
 
         name = name_of(capture)
         place = place_of(target, name, suffixes_of(writers))
-        written = in_format_of(place, written, given)
+        written = in_format_of(place, written, given, capture, reading)
         path = place.file or place.folder / f"{place.name}.{written.file_format}"
         motion = read_capture(capture, skeleton, reading)
         wanted = search.span(len(motion))

@@ -96,7 +96,7 @@ def loop(
     """
     with one_line_errors():
         places = _places(captures, output)
-        written = in_format_of(places[0], written, given)
+        written = in_format_of(places[0], written, given, captures[0], reading)
     asked = _Asked(search, written, reading, skeleton, per_behaviour, timeline, picture, gif, json)
     records: list[dict[str, Any]] = []
     codes = [

@@ -85,7 +85,9 @@ def _print_table(told: Timeline, capture: Path, uncertain: bool) -> None:
 
 
 def _row(each: Behaviour) -> str:
-    period = "-" if each.kind == "neutral" else f"{each.period:.2f} s"
+    from roundelay.timeline.behaviours import ASIDE
+
+    period = "-" if each.kind in ASIDE else f"{each.period:.2f} s"
     times = f"{each.repetitions:.1f}" if each.kind == "cyclic" else "-"
     sure = "-" if each.probability is None else f"{each.probability:.0%}"
     limbs = "all" if each.whole else " + ".join(each.limbs)

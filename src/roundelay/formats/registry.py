@@ -48,6 +48,7 @@ __all__ = [
     "contents_of",
     "files_of",
     "files_written",
+    "format_of_points",
     "in_words",
     "is_capture",
     "reader_of",
@@ -342,6 +343,28 @@ def checked_format(name: str) -> str:
         known = tuple(suffix[1:] for suffix in suffixes_of(writers))
         raise ValueError(f"expected a format among {known}, found {name!r}")
     return name
+
+
+def format_of_points(path: Path, suffix: str | None = None) -> str | None:
+    """Return the format, a suffix without its dot, that loops of a file of points are written in.
+
+    The file's own if it can be written, else TRC; None for other files.
+
+    Parameters
+    ----------
+    path : Path
+    suffix : str, optional
+        The format, without a dot, where the name does not tell it.
+
+    Raises
+    ------
+    FormatError
+        If no reader knows the suffix.
+    """
+    if not isinstance(reader_of(path, suffix), PointsReader):
+        return None
+    own = suffix or unpacked(path).suffix[1:].lower()
+    return own if f".{own}" in suffixes_of(writers) else "trc"
 
 
 def wraps_at_last_key(name: str) -> bool:

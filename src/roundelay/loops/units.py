@@ -8,8 +8,12 @@ import numpy as np
 
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.loops.thresholds import UNITS
+from roundelay.motion.floating import PointsLayout
 
-__all__ = ["Lengths"]
+__all__ = ["METRES", "Lengths"]
+
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+"""Metres that a unit has, by its usual sign."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +33,7 @@ class Lengths:
 
     @classmethod
     def of(cls, skeleton: Skeleton, resized: float = 1.0) -> Lengths:
-        """Guess the unit in which a skeleton is as large as a person.
+        """Return the unit that points tell, or guess that in which a skeleton is a person's.
 
         What lies above the hips, such as a bone on the ground, is no part of the body.
 
@@ -44,6 +48,9 @@ class Lengths:
         size = replace(skeleton, offsets=offsets).size
         known = np.array(UNITS.metres)
         metres = size / resized * known
+        if skeleton.free and isinstance(skeleton.layout, PointsLayout):
+            # Laboratories tell their unit; pixels have no length.
+            return cls(size, METRES.get(skeleton.layout.units.lower()))
         fits = np.flatnonzero((metres >= UNITS.shortest) & (metres <= UNITS.longest))
         return cls(size, float(known[fits[0]]) if len(fits) else None)
 

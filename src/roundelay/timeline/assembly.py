@@ -28,7 +28,7 @@ from roundelay.timeline.behaviours import Behaviour, Timeline
 from roundelay.timeline.calibration import judged_by
 from roundelay.timeline.chance import excess
 from roundelay.timeline.closing import closing_length
-from roundelay.timeline.limbs import Body, body_of
+from roundelay.timeline.limbs import Body, body_of, shown_span
 from roundelay.timeline.merging import merged
 from roundelay.timeline.nesting import phrase_of
 from roundelay.timeline.options import Options
@@ -65,7 +65,7 @@ def timeline_of(
         body.n_frames,
         take.fps,
         tuple(limb.name for limb in body.limbs),
-        (*told, *_neutral(body, options.span(body.n_frames))),
+        (*told, *_aside(take, body, options.span(body.n_frames))),
         tuple(uncertain),
         getattr(take, "name", ""),
     )
@@ -200,11 +200,18 @@ def _closing(take: Motion | Poses, body: Body, options: Options) -> Span | None:
     return None if length is None else (first, first + length)
 
 
-def _neutral(body: Body, asked: Span | None) -> list[Behaviour]:
-    """Return the frames that an exporter put before or behind the movement."""
-    (first, last), (start, stop) = body.span, asked or (0, body.n_frames)
-    spans = Spans((a, b) for a, b in ((start, first), (last, stop)) if b > a)
-    return [_whole("neutral", body, spans)] if spans else []
+def _aside(take: Motion | Poses, body: Body, asked: Span | None) -> list[Behaviour]:
+    """Return the frames that an exporter put before or behind the movement, and the unseen ones."""
+    whole = asked or (0, body.n_frames)
+    seen = shown_span(take, whole)
+    around = {"neutral": _around(body.span, seen), "unseen": _around(seen, whole)}
+    return [_whole(kind, body, spans) for kind, spans in around.items() if spans]
+
+
+def _around(inner: Span, outer: Span) -> Spans:
+    """Return what a span leaves of another at either end."""
+    ends = ((outer[0], inner[0]), (inner[1], outer[1]))
+    return Spans((start, stop) for start, stop in ends if stop > start)
 
 
 def _whole(kind: str, body: Body, spans: Spans) -> Behaviour:

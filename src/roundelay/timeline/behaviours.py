@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from roundelay.base.spans import Spans
 
-__all__ = ["Behaviour", "Kind", "Test", "Timeline"]
+__all__ = ["ASIDE", "Behaviour", "Kind", "Test", "Timeline"]
 
 Array = NDArray[np.float64]
-Kind = Literal["cyclic", "closed", "neutral"]
+Kind = Literal["cyclic", "closed", "neutral", "unseen"]
+ASIDE = ("neutral", "unseen")
+"""Kinds of frames that are no movement."""
 _FAULTS = {
     "comes_back": "poses a period apart are hardly alike",
     "chance": "random motion of these limbs would repeat as well somewhere in the take",
@@ -51,9 +53,9 @@ class Behaviour:
 
     Attributes
     ----------
-    kind : {"cyclic", "closed", "neutral"}
+    kind : {"cyclic", "closed", "neutral", "unseen"}
         Repeating; one pass whose ends meet; a pose that an exporter put before or behind the
-        movement.
+        movement; before the body is seen first or after it is seen last.
     spans : Spans
         The frames.
     limbs, joints : tuple of str
@@ -61,7 +63,7 @@ class Behaviour:
     whole : bool
         All limbs that move do it.
     period : float
-        Seconds of a repetition, or of the pass; NaN for a neutral pose.
+        Seconds of a repetition, or of the pass; NaN for a neutral pose and what is unseen.
     repetitions : float
         How many were seen, parts of one counted.
     probability : float or None
@@ -169,7 +171,7 @@ class Timeline:
     @property
     def reason(self) -> str:
         """Why no behaviour repeats, and what to try; empty where one does."""
-        if any(each.kind != "neutral" for each in self.behaviours):
+        if any(each.kind not in ASIDE for each in self.behaviours):
             return ""
         if not self.limbs:
             return "nothing moves against the root"

@@ -12,7 +12,7 @@ from roundelay.base.spans import Spans
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses
 from roundelay.timeline.assembly import timeline_of
-from roundelay.timeline.behaviours import Behaviour, Timeline
+from roundelay.timeline.behaviours import ASIDE, Behaviour, Timeline
 from roundelay.timeline.cloud import make_cloud
 from roundelay.timeline.evidence import Evidence, follow, measure, measure_closed
 from roundelay.timeline.options import Options
@@ -81,7 +81,7 @@ def find_evidence(
 
 def _shown(told: Timeline, options: Options) -> list[Behaviour]:
     """Return what repeats or closes, and what rather does not if that was asked for."""
-    shown = [each for each in told.behaviours if each.kind != "neutral"]
+    shown = [each for each in told.behaviours if each.kind not in ASIDE]
     by_hand = options.topology.class_index is not None
     if options.uncertain or (by_hand and not shown):
         shown += told.uncertain
@@ -122,10 +122,10 @@ def _usual_period(told: Timeline) -> float:
 
 
 def _looked_at(told: Timeline, options: Options) -> tuple[int, int]:
-    """Return the frames that are looked at, without neutral poses at their ends."""
+    """Return the frames that are looked at, without what is no movement at their ends."""
     start, stop = options.span(told.n_frames) or (0, told.n_frames)
     for each in told.behaviours:
-        for first, last in each.spans if each.kind == "neutral" else ():
+        for first, last in each.spans if each.kind in ASIDE else ():
             start, stop = (last, stop) if first <= start else (start, first)
     return start, stop
 

@@ -23,7 +23,7 @@ from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses, bridged, point_indices, principal_components
 from roundelay.timeline.thresholds import LIMBS, PREDICTION, SEARCH
 
-__all__ = ["Body", "Limb", "body_of"]
+__all__ = ["Body", "Limb", "body_of", "shown_span"]
 
 Array = NDArray[np.float64]
 
@@ -179,7 +179,7 @@ def body_of(
     step = max(1, round(take.fps / LIMBS.rate))
     view = _Joints(take, span, step) if isinstance(take, Motion) else _Points(take)
     chosen = set(range(len(view.names)) if joints is None else view.indices(joints))
-    first, stop = _without_neutral_ends(view, _shown(take, span or (0, view.count)), step)
+    first, stop = _without_neutral_ends(view, shown_span(take, span or (0, view.count)), step)
     inside, seen = view.at(slice(first, stop, step))
     limbs, signals, at = [], [], 0
     for name, kind, members in view.limbs():
@@ -195,7 +195,7 @@ def body_of(
     )
 
 
-def _shown(take: Motion | Poses, span: Span) -> Span:
+def shown_span(take: Motion | Poses, span: Span) -> Span:
     """Return a span from the first to the last frame in which the body was seen."""
     if not isinstance(take, Motion) or take.missing is None:
         return span

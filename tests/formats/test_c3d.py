@@ -11,7 +11,7 @@ from tests.formats.point_samples import DEC, INTEL, SGI, c3d, places
 import roundelay as rl
 from roundelay.formats.c3d import C3dReader
 from roundelay.formats.c3d_writer import C3dWriter
-from roundelay.formats.registry import besides_motion
+from roundelay.formats.registry import besides_motion, contents_of
 from roundelay.motion.points import Points
 
 X = places()
@@ -331,3 +331,31 @@ def test_as_a_motion(tmp_path):
     rl.write(motion, tmp_path / "b.c3d")
     again = rl.read_points(tmp_path / "b.c3d")
     assert np.allclose(again.positions, body, atol=1e-3)
+
+
+def two_people(**others):
+    labels = [f"Anna:M{n}" for n in range(12)] + [f"Ben:M{n}" for n in range(10)]
+    return c3d(places(5, 22), labels, **others)
+
+
+def test_another_subject_can_be_chosen(tmp_path):
+    path = tmp_path / "a.c3d"
+    path.write_bytes(two_people())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = rl.read_points(path, character="Ben")
+    assert found.names == tuple(f"Ben:M{n}" for n in range(10))
+    with pytest.raises(rl.FormatError, match="among 'Anna', 'Ben', found 'Eve'"):
+        rl.read_points(path, character="Eve")
+    held = contents_of(path)
+    assert (held.characters, held.conventions) == (("Anna", "Ben"), {"unit": "mm"})
+
+
+def test_what_is_whole_of_half_a_file_can_be_kept(tmp_path):
+    path = tmp_path / "a.c3d"
+    path.write_bytes(GOOD[:-100])
+    with pytest.warns(rl.RoundelayWarning, match="3 of 5 frames, cut off, kept"):
+        assert len(rl.read_points(path, salvage=True)) == 3
+    path.write_bytes(GOOD[:1030])
+    with pytest.raises(rl.FormatError, match="found 0"):
+        rl.read_points(path, salvage=True)

@@ -15,7 +15,7 @@ from tests.formats.point_samples import places
 
 import roundelay as rl
 from roundelay.formats import is_capture, readers, writers
-from roundelay.formats.registry import PointsReader
+from roundelay.formats.registry import PointsReader, contents_of
 from roundelay.motion.points import Points
 
 TEXTS = {
@@ -321,3 +321,28 @@ def test_joints_of_a_motion_as_points(tmp_path, bvh):
     again = rl.read_points(tmp_path / "a.trc")
     assert again.names == motion.skeleton.names
     assert np.allclose(again.positions, motion.positions(), atol=1e-6)
+
+
+def test_another_animal_or_skeleton_can_be_chosen(tmp_path):
+    lines = samples.DEEPLABCUT.splitlines(keepends=True)
+    lines.insert(1, "individuals,one,one,one,two,two,two\n")
+    (tmp_path / "a.csv").write_text("".join(lines))
+    (tmp_path / "b.csv").write_text(samples.MOTIVE.replace("Unlabeled 7", "B:Hip1"))
+    (tmp_path / "c.csv").write_text("A:a_x,A:a_y,B:b_x,B:b_y\n1,2,3,4\n")
+    for name, subjects, wanted, points in (
+        ("a.csv", ("one", "two"), "two", ("two:tail",)),
+        ("b.csv", ("A", "B"), "B", ("B:Hip1",)),
+        ("c.csv", ("A", "B"), "B", ("B:b",)),
+    ):
+        assert contents_of(tmp_path / name).characters == subjects
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", rl.RoundelayWarning)
+            assert rl.read_points(tmp_path / name, character=wanted).names == points
+
+
+def test_a_format_without_such_a_choice_says_so(tmp_path):
+    (tmp_path / "a.trc").write_text(samples.TRC)
+    with pytest.raises(ValueError, match="expected no --character"):
+        rl.read_points(tmp_path / "a.trc", character="A")
+    with pytest.raises(ValueError, match="expected no --salvage"):
+        rl.read_points(tmp_path / "a.trc", salvage=True)

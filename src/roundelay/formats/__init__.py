@@ -19,6 +19,7 @@ from roundelay.formats.contents import Contents
 from roundelay.formats.options import ReadOptions
 from roundelay.formats.points import motion_in_file
 from roundelay.formats.registry import (
+    ChoosingPointsReader,
     ChoosingReader,
     PointsReader,
     Reader,
@@ -136,7 +137,7 @@ def read(
     _check_choices(reader, wanted, path)
     with _rate_known(rate is not None):
         if isinstance(reader, PointsReader) and skeleton is None:
-            points = reader.read_points(path)
+            points = _points(reader, path, wanted)
             motion = motion_in_file(points, path, fill=fill_gaps, max_gap=max_gap)
         else:
             motion = _read(reader, path, skeleton, wanted)
@@ -152,7 +153,13 @@ def read(
     return motion
 
 
-def read_points(path: str | PathLike[str], *, suffix: str | None = None) -> Points:
+def read_points(
+    path: str | PathLike[str],
+    *,
+    suffix: str | None = None,
+    character: str | None = None,
+    salvage: bool = False,
+) -> Points:
     """Read markers or keypoints as they are, gaps and all; of other captures, the joints.
 
     Parameters
@@ -160,6 +167,10 @@ def read_points(path: str | PathLike[str], *, suffix: str | None = None) -> Poin
     path : path-like
     suffix : str, optional
         The format, such as "trc", where the name does not tell it.
+    character : str, optional
+        Which of several subjects or animals; the one with most points by default.
+    salvage : bool
+        Keep the whole frames of a recording that was cut off.
 
     Returns
     -------
@@ -170,14 +181,24 @@ def read_points(path: str | PathLike[str], *, suffix: str | None = None) -> Poin
     ------
     FormatError
         If the file is of no known format, or not what its format says, with line and column.
+    ValueError
+        If something is chosen that a format has one of.
     OSError
         If the file cannot be read.
     """
     path = as_path(path)
     reader = reader_of(path, suffix)
+    wanted = ReadOptions(character=character, salvage=salvage)
+    _check_choices(reader, wanted, path)
     if isinstance(reader, PointsReader):
-        return reader.read_points(path)
-    return points_of_motion(read(path, suffix=suffix))
+        return _points(reader, path, wanted)
+    return points_of_motion(read(path, suffix=suffix, character=character, salvage=salvage))
+
+
+def _points(reader: PointsReader, path: Path, wanted: ReadOptions) -> Points:
+    if isinstance(reader, ChoosingPointsReader):
+        return reader.read_points(path, wanted)
+    return reader.read_points(path)
 
 
 @contextmanager

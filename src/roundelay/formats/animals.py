@@ -17,8 +17,17 @@ import numpy as np
 from roundelay.base.errors import FormatError
 from roundelay.base.files import content
 from roundelay.formats.arrays import NpzReader
-from roundelay.formats.point_files import Notes, checked_size, made, of_one_body, rate_assumed
-from roundelay.formats.points import ReadsPoints
+from roundelay.formats.contents import Contents
+from roundelay.formats.options import ReadOptions
+from roundelay.formats.point_files import (
+    Notes,
+    checked_size,
+    made,
+    of_one_body,
+    rate_assumed,
+    subjects_of,
+)
+from roundelay.formats.points import ChoosesPoints
 from roundelay.motion.points import Points
 
 __all__ = ["AnimalsReader"]
@@ -29,18 +38,20 @@ _CHILD = "roundelay.formats.animals_child"
 _SECONDS = 300.0
 
 
-class AnimalsReader(ReadsPoints):
+class AnimalsReader(ChoosesPoints):
     """The reader of HDF5 files of DeepLabCut (``.h5``) and SLEAP (``.h5``, ``.slp``)."""
 
     name = "animals"
     suffixes = (".h5", ".slp")
 
-    def read_points(self, path: Path) -> Points:
-        """Read an HDF5 file; of several individuals, the one with most keypoints.
+    def read_points(self, path: Path, wanted: ReadOptions | None = None) -> Points:
+        """Read an HDF5 file.
 
         Parameters
         ----------
         path : Path
+        wanted : ReadOptions, optional
+            Which animal; the one with most keypoints by default.
 
         Returns
         -------
@@ -54,17 +65,12 @@ class AnimalsReader(ReadsPoints):
         OSError
             If it cannot be read.
         """
-        data = content(path)
-        if not data.startswith(_MAGIC):
-            raise FormatError("expected an HDF5 file, found another, at byte 0", path=path)
-        if importlib.util.find_spec("movement") is None:
-            told = "expected the library movement to read it, found none"
-            raise FormatError(f"{told}: install roundelay[animals]", path=path)
-        found = _read_apart(path, data)
+        found = _read_apart(path)
         checked_size(path, len(found), len(found.names))
         notes = Notes(path)
         seen = np.asarray(found.seen.any(axis=0)).tolist()
-        kept = of_one_body(found.names, seen, notes, least=1)
+        character = wanted.character if wanted else None
+        kept = of_one_body(found.names, seen, notes, character, least=1)
         places, likelihoods = found.to_array(), found.likelihoods
         return made(
             path,
@@ -77,15 +83,25 @@ class AnimalsReader(ReadsPoints):
             image=found.dimensions == 2,
         )
 
+    def contents(self, path: Path) -> Contents:
+        """List the animals of a file."""
+        return Contents(characters=subjects_of(_read_apart(path).names))
 
-def _read_apart(path: Path, data: bytes) -> Points:
+
+def _read_apart(path: Path) -> Points:
     """Read a file in another process.
 
     Raises
     ------
     FormatError
-        If that cannot read it, dies or takes too long.
+        If there is no `movement`, or it cannot read the file, dies or takes too long.
     """
+    data = content(path)
+    if not data.startswith(_MAGIC):
+        raise FormatError("expected an HDF5 file, found another, at byte 0", path=path)
+    if importlib.util.find_spec("movement") is None:
+        told = "expected the library movement to read it, found none"
+        raise FormatError(f"{told}: install roundelay[animals]", path=path)
     suffix = ".slp" if ".slp" in path.suffixes else ".h5"
     with tempfile.TemporaryDirectory() as folder:
         given, made = Path(folder) / f"given{suffix}", Path(folder) / "read.npz"

@@ -17,8 +17,18 @@ from roundelay.base.errors import FormatError
 from roundelay.base.files import content
 from roundelay.formats.analog import Analog, Plate
 from roundelay.formats.c3d_parameters import BLOCK, C3dFile, decoded_reals, open_file
-from roundelay.formats.point_files import Notes, checked_size, distinct, made, of_one_body, plain
-from roundelay.formats.points import ReadsPoints
+from roundelay.formats.contents import Contents
+from roundelay.formats.options import ReadOptions
+from roundelay.formats.point_files import (
+    Notes,
+    checked_size,
+    distinct,
+    made,
+    of_one_body,
+    plain,
+    subjects_of,
+)
+from roundelay.formats.points import ChoosesPoints
 from roundelay.motion.points import Points
 
 __all__ = ["C3dLayout", "C3dReader"]
@@ -54,18 +64,22 @@ class C3dLayout:
     screen: tuple[str, str] | None = None
 
 
-class C3dReader(ReadsPoints):
+class C3dReader(ChoosesPoints):
     """The reader of C3D files."""
 
     name = "c3d"
     suffixes = (".c3d",)
+    choices = frozenset({"character", "salvage"})
 
-    def read_points(self, path: Path) -> Points:
+    def read_points(self, path: Path, wanted: ReadOptions | None = None) -> Points:
         """Read a C3D file.
 
         Parameters
         ----------
         path : Path
+        wanted : ReadOptions, optional
+            Which subject, by the prefix of its labels, and whether to keep the whole frames of a
+            file that was cut off; by default the subject with most points.
 
         Returns
         -------
@@ -79,17 +93,20 @@ class C3dReader(ReadsPoints):
         OSError
             If it cannot be read.
         """
-        notes = Notes(path)
+        notes, wanted = Notes(path), wanted or ReadOptions()
         file = open_file(path, content(path), notes)
         scale = _scale(file)
         if not file.header.points:
             raise _without_points(file)
-        frames = _frames(file, scale, notes)
+        frames = _frames(file, scale, notes, salvage=wanted.salvage)
         checked_size(path, frames, file.header.points)
         places, words = _read_frames(file, frames, scale)
         missing, residuals = _seen(places, words, abs(scale))
         names = _names(file)
-        kept = _kept(file, names, np.logical_not(missing.all(axis=0)), notes)
+        places_of = _places_of(file, names, notes)
+        seen = np.logical_not(missing.all(axis=0))[places_of].tolist()
+        body = of_one_body([names[n] for n in places_of], seen, notes, wanted.character)
+        kept = [places_of[n] for n in body]
         return made(
             path,
             [names[point] for point in kept],
@@ -102,6 +119,14 @@ class C3dReader(ReadsPoints):
             up=_up(file),
             layout=_layout(file, frames, scale),
         )
+
+    def contents(self, path: Path) -> Contents:
+        """List the subjects of a file, and what it says of itself."""
+        file = open_file(path, content(path), Notes(path))
+        up = _up(file)
+        told = {"unit": _unit(file), "up": "" if up is None else "XYZ"[up]}
+        conventions = {key: value for key, value in told.items() if value}
+        return Contents(characters=subjects_of(_names(file)), conventions=conventions)
 
     def besides_motion(self, path: Path) -> tuple[str, ...]:
         """Name what a file holds that its motion does not: see `Reader`."""
@@ -131,7 +156,7 @@ def _scale(file: C3dFile) -> float:
     return scale
 
 
-def _frames(file: C3dFile, scale: float, notes: Notes) -> int:
+def _frames(file: C3dFile, scale: float, notes: Notes, *, salvage: bool) -> int:
     """Return the number of frames, all of which are there."""
     header, source = file.header, file.source
     told = file.counts("POINT", "USED")
@@ -142,6 +167,9 @@ def _frames(file: C3dFile, scale: float, notes: Notes) -> int:
     size = (2 if scale > 0 else 4) * (4 * header.points + header.samples)
     left = len(source.data) - header.start
     held = max(0, left) // size
+    if salvage and 0 < held < promised:
+        notes.add(f"{held} of {promised} frames, cut off, kept")
+        return held
     if held < promised:
         found = f"expected {promised} frames of {size} bytes from byte {header.start} on"
         raise source.error(f"{found}, found {held}", len(source.data))
@@ -231,8 +259,8 @@ def _up(file: C3dFile) -> int | None:
     return {"+X": 0, "+Y": 1, "+Z": 2}.get(told.strip().upper())
 
 
-def _kept(file: C3dFile, names: list[str], seen: NDArray[np.bool_], notes: Notes) -> list[int]:
-    """Return the numbers of points that are places, of one body; tell what is left out."""
+def _places_of(file: C3dFile, names: list[str], notes: Notes) -> list[int]:
+    """Return the numbers of points that are places; tell what else there is."""
     outputs, axes = _outputs(file), _axes(names)
     units = file.texts("POINT", "UNITS")
     units = units if len(units) >= len(names) > 1 else [""] * len(names)
@@ -247,8 +275,7 @@ def _kept(file: C3dFile, names: list[str], seen: NDArray[np.bool_], notes: Notes
     if not places:
         told = f"{len(computed)} outputs of a model alone"
         raise file.source.error(f"expected points, found {told}", 2)
-    body = of_one_body([names[number] for number in places], seen[places].tolist(), notes)
-    return [places[number] for number in body]
+    return places
 
 
 def _bare(name: str) -> str:

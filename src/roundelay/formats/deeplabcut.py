@@ -11,7 +11,7 @@ from roundelay.formats.tables import fields, line_end, read_table
 from roundelay.formats.text import Source
 from roundelay.motion.points import Points
 
-__all__ = ["is_deeplabcut", "read_deeplabcut"]
+__all__ = ["deeplabcut_names", "is_deeplabcut", "read_deeplabcut"]
 
 _TITLES = ("scorer", "individuals", "bodyparts", "coords")
 _COORDINATES = ("x", "y", "likelihood")
@@ -22,8 +22,25 @@ def is_deeplabcut(first: Sequence[str]) -> bool:
     return next(iter(first), "").lower() == "scorer"
 
 
-def read_deeplabcut(source: Source) -> Points:
-    """Read a CSV of DeepLabCut; of several individuals, the one with most body parts seen.
+def deeplabcut_names(source: Source) -> list[str]:
+    """Return the names of the points in a CSV of DeepLabCut.
+
+    Raises
+    ------
+    FormatError
+        If the file is not sound.
+    """
+    return _columns(source, _titles(source)[0])[0]
+
+
+def read_deeplabcut(source: Source, character: str | None = None) -> Points:
+    """Read a CSV of DeepLabCut.
+
+    Parameters
+    ----------
+    source : Source
+    character : str, optional
+        Which individual; the one with most body parts by default.
 
     Raises
     ------
@@ -38,7 +55,7 @@ def read_deeplabcut(source: Source) -> Points:
     places = table.values[:, columns]
     notes = Notes(path)
     seen = np.asarray(np.isfinite(places[..., :2]).all(axis=2).any(axis=0)).tolist()
-    kept = of_one_body(names, seen, notes, least=1)
+    kept = of_one_body(names, seen, notes, character, least=1)
     likelihoods = np.nan_to_num(places[:, kept, 2]) if places.shape[2] == 3 else None
     return made(
         path,

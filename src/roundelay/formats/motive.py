@@ -20,7 +20,7 @@ from roundelay.formats.tables import fields, line_end, rate_of, read_table
 from roundelay.formats.text import Source
 from roundelay.motion.points import Points
 
-__all__ = ["is_motive", "read_motive"]
+__all__ = ["is_motive", "motive_names", "read_motive"]
 
 Array = NDArray[np.float64]
 
@@ -42,8 +42,25 @@ def is_motive(first: Sequence[str]) -> bool:
     return next(iter(first), "").lower() == "format version"
 
 
-def read_motive(source: Source) -> Points:
+def motive_names(source: Source) -> list[str]:
+    """Return the names of the points in a CSV of Motive.
+
+    Raises
+    ------
+    FormatError
+        If the file is not sound.
+    """
+    return [name for name, _ in _columns(_titles(source)[0])]
+
+
+def read_motive(source: Source, character: str | None = None) -> Points:
     """Read a CSV of Motive.
+
+    Parameters
+    ----------
+    source : Source
+    character : str, optional
+        Which skeleton; the one with most points by default.
 
     Raises
     ------
@@ -65,7 +82,7 @@ def read_motive(source: Source) -> Points:
     names = [name for name, _ in columns]
     places = np.stack([table.values[:, three] for three in columns.values()], axis=1)
     places = seen_beside_origin(places)
-    kept = _kept(names, places, notes)
+    kept = _kept(names, places, notes, character)
     rate = _number(told, "Export Frame Rate") or rate_of(table.values[:, 1]) or rate_assumed(path)
     unit = told.get("Length Units", "").lower()
     unit = _UNITS.get(unit, unit)
@@ -84,7 +101,7 @@ def _check_frames(source: Source, told: dict[str, str], found: int) -> None:
         raise source.error(f"expected {promised:g} frames, found {found}", source.end)
 
 
-def _kept(names: list[str], places: Array, notes: Notes) -> list[int]:
+def _kept(names: list[str], places: Array, notes: Notes, character: str | None) -> list[int]:
     """Return the markers of one body; those without a name are left out where others have one."""
     named = [n for n, name in enumerate(names) if not name.lower().startswith("unlabeled")]
     if not named:
@@ -92,7 +109,8 @@ def _kept(names: list[str], places: Array, notes: Notes) -> list[int]:
     if len(named) < len(names):
         notes.add(f"{len(names) - len(named)} unlabeled markers, left out")
     seen = np.asarray(np.isfinite(places[:, named]).all(axis=2).any(axis=0)).tolist()
-    return [named[number] for number in of_one_body([names[n] for n in named], seen, notes)]
+    body = of_one_body([names[n] for n in named], seen, notes, character)
+    return [named[number] for number in body]
 
 
 def _titles(source: Source) -> tuple[list[list[str]], int]:

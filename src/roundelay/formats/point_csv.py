@@ -21,10 +21,20 @@ from numpy.typing import NDArray
 from roundelay.base.errors import FormatError
 from roundelay.base.files import beginning
 from roundelay.formats import decimals, text
-from roundelay.formats.deeplabcut import is_deeplabcut, read_deeplabcut
-from roundelay.formats.motive import is_motive, read_motive
-from roundelay.formats.point_files import Notes, checked_size, made, plain, rate_assumed
-from roundelay.formats.points import ReadsPoints, WritesPoints
+from roundelay.formats.contents import Contents
+from roundelay.formats.deeplabcut import deeplabcut_names, is_deeplabcut, read_deeplabcut
+from roundelay.formats.motive import is_motive, motive_names, read_motive
+from roundelay.formats.options import ReadOptions
+from roundelay.formats.point_files import (
+    Notes,
+    checked_size,
+    made,
+    of_one_body,
+    plain,
+    rate_assumed,
+    subjects_of,
+)
+from roundelay.formats.points import ChoosesPoints, WritesPoints
 from roundelay.formats.tables import fields, line_end, rate_of, read_table
 from roundelay.formats.text import Source
 from roundelay.formats.trc import place_rows
@@ -41,18 +51,20 @@ _SEPARATORS = ",;\t"
 _REMARKS = 20
 
 
-class CsvReader(ReadsPoints):
+class CsvReader(ChoosesPoints):
     """The reader of CSV files of points."""
 
     name = "csv"
     suffixes = (".csv",)
 
-    def read_points(self, path: Path) -> Points:
+    def read_points(self, path: Path, wanted: ReadOptions | None = None) -> Points:
         """Read a CSV file of Motive, of DeepLabCut, or of the plain layout.
 
         Parameters
         ----------
         path : Path
+        wanted : ReadOptions, optional
+            Which skeleton of Motive or animal of DeepLabCut; by default the one with most points.
 
         Returns
         -------
@@ -68,11 +80,24 @@ class CsvReader(ReadsPoints):
         """
         source = text.load(path)
         first = fields(source, 0, ",")
+        character = wanted.character if wanted else None
         if is_motive(first):
-            return read_motive(source)
+            return read_motive(source, character)
         if is_deeplabcut(first):
-            return read_deeplabcut(source)
-        return _read_plain(source)
+            return read_deeplabcut(source, character)
+        return _read_plain(source, character)
+
+    def contents(self, path: Path) -> Contents:
+        """List the subjects of a file."""
+        source = text.load(path)
+        first = fields(source, 0, ",")
+        if is_motive(first):
+            return Contents(characters=subjects_of(motive_names(source)))
+        if is_deeplabcut(first):
+            return Contents(characters=subjects_of(deeplabcut_names(source)))
+        titles, _ = _titles(source, _remarks(source)[1])
+        names = [match[1] for title in titles if (match := _TITLE.fullmatch(title))]
+        return Contents(characters=subjects_of(names))
 
     def claims(self, path: Path) -> bool:
         """Tell whether a table holds points; few do.
@@ -92,7 +117,7 @@ class CsvReader(ReadsPoints):
         return is_motive(first) or is_deeplabcut(first) or plain_layout
 
 
-def _read_plain(source: Source) -> Points:
+def _read_plain(source: Source, character: str | None) -> Points:
     path, (told, at) = source.path, _remarks(source)
     titles, separator = _titles(source, at)
     columns = _Columns.of(source, at, titles)
@@ -103,15 +128,20 @@ def _read_plain(source: Source) -> Points:
     rate = _told_rate(told)
     if not rate and columns.time is not None:
         rate = rate_of(table.values[:, columns.time]) or 0.0
+    names, notes = list(columns.places), Notes(path)
+    places = table.values[:, list(columns.places.values())]
+    seen = np.asarray(np.isfinite(places).all(axis=2).any(axis=0)).tolist()
+    kept = of_one_body(names, seen, notes, character)
+    others = {kind: own for kind, own in columns.others.items() if own}
     return made(
         path,
-        list(columns.places),
-        table.values[:, list(columns.places.values())],
+        [names[number] for number in kept],
+        places[:, kept],
         rate or rate_assumed(path),
-        notes=Notes(path),
+        notes=notes,
         units=told.get("units", ""),
         image=told.get("image", "").lower() in ("yes", "true", "1"),
-        **{what: _filled(table.values, own) for what, own in columns.others.items() if own},
+        **{kind: _filled(table.values, own)[:, kept] for kind, own in others.items()},
     )
 
 

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.errors import FormatError, RateAssumed, RoundelayWarning
 from roundelay.base.files import name_of
+from roundelay.formats.nodes import called
 from roundelay.formats.sane import LARGEST, SLOWEST, fault_of_size, require_memory
 from roundelay.motion.motion import FASTEST
 from roundelay.motion.points import Points
@@ -29,6 +30,7 @@ __all__ = [
     "plain",
     "rate_assumed",
     "seen_beside_origin",
+    "subjects_of",
 ]
 
 Array = NDArray[np.float64]
@@ -182,8 +184,18 @@ def seen_beside_origin(places: Array) -> Array:
     return np.where(places.any(axis=2, keepdims=True), places, np.nan)
 
 
+def subjects_of(names: Sequence[str]) -> tuple[str, ...]:
+    """List the subjects in names such as "Anna:LASI", each once."""
+    return tuple(dict.fromkeys(name.rpartition(":")[0] for name in names if ":" in name))
+
+
 def of_one_body(
-    names: Sequence[str], seen: Sequence[bool], notes: Notes, *, least: int = _BODY
+    names: Sequence[str],
+    seen: Sequence[bool],
+    notes: Notes,
+    wanted: str | None = None,
+    *,
+    least: int = _BODY,
 ) -> list[int]:
     """Return which points are those of one body, where names have subjects: "Anna:LASI".
 
@@ -196,10 +208,20 @@ def of_one_body(
     seen : sequence of bool
         Which points are ever seen.
     notes : Notes
+    wanted : str, optional
+        The subject that is read.
     least : int
         Points of a body.
+
+    Raises
+    ------
+    FormatError
+        If there is no subject of that name.
     """
     subjects = [name.rpartition(":")[0] for name in names]
+    if wanted is not None:
+        called("a subject (--character)", subjects_of(names), wanted, notes.path)
+        return [number for number, subject in enumerate(subjects) if subject == wanted]
     counts = Counter(
         subject for subject, once in zip(subjects, seen, strict=True) if subject and once
     )
@@ -211,7 +233,7 @@ def of_one_body(
     if count < least:
         notes.add(f"{found} read as one")
         return list(range(len(names)))
-    notes.add(f"{found}; those of {most} read, which has most")
+    notes.add(f"{found}; those of {most} read, which has most (--character names another)")
     return [number for number, subject in enumerate(subjects) if subject == most]
 
 

@@ -6,11 +6,13 @@ from abc import ABC, abstractmethod
 from pathlib import Path
 
 from roundelay.base.errors import FormatError, TooShort
+from roundelay.formats.contents import Contents
+from roundelay.formats.options import ReadOptions
 from roundelay.motion.floating import motion_of_points, points_of_motion
 from roundelay.motion.motion import Motion
 from roundelay.motion.points import Points
 
-__all__ = ["ReadsPoints", "WritesPoints", "motion_in_file"]
+__all__ = ["ChoosesPoints", "ReadsPoints", "WritesPoints", "motion_in_file"]
 
 
 def motion_in_file(
@@ -57,6 +59,24 @@ class ReadsPoints(ABC):
             If it cannot be read.
         """
         return motion_in_file(self.read_points(path), path)
+
+
+class ChoosesPoints(ReadsPoints):
+    """Read files of points that may hold several bodies, or be cut off."""
+
+    choices = frozenset({"character"})
+
+    @abstractmethod
+    def read_points(self, path: Path, wanted: ReadOptions | None = None) -> Points:
+        """Read the points of a file, those of the body that is wanted."""
+
+    @abstractmethod
+    def contents(self, path: Path) -> Contents:
+        """List the bodies of a file, and what it says of itself."""
+
+    def read(self, path: Path, wanted: ReadOptions | None = None) -> Motion:
+        """Read a file as a motion whose skeleton is free; see `ReadsPoints.read`."""
+        return motion_in_file(self.read_points(path, wanted), path)
 
 
 class WritesPoints(ABC):

@@ -37,6 +37,7 @@ from roundelay.motion.motion import Motion
 from roundelay.motion.points import Points
 
 __all__ = [
+    "ChoosingPointsReader",
     "ChoosingReader",
     "PointsReader",
     "Reader",
@@ -167,6 +168,20 @@ class ChoosingReader(Reader, Protocol):
         FormatError
             If the file is not sound.
         """
+        ...
+
+
+@runtime_checkable
+class ChoosingPointsReader(PointsReader, Protocol):
+    """Read the points of a file that may hold several bodies, or be cut off."""
+
+    @property
+    def choices(self) -> frozenset[str]:
+        """The fields of `ReadOptions` that it obeys."""
+        ...
+
+    def read_points(self, path: Path, wanted: ReadOptions | None = None) -> Points:
+        """Read the points that are wanted, as `PointsReader` reads them."""
         ...
 
 

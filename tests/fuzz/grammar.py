@@ -4,108 +4,29 @@ from __future__ import annotations
 
 import base64
 import json
-import random
 import struct
 import zlib
 from typing import Any
 
+from tests.fuzz.chance import Chance, Files, encoded
+from tests.fuzz.point_grammar import POINTS
+
 __all__ = ["FORMATS", "Files", "made"]
 
 _Element = tuple[str, list[Any], list[Any]]
-Files = dict[str, bytes]
-"""The files of a capture by their names; the first one is read."""
 
-_WORDS = [
-    "nan",
-    "inf",
-    "-inf",
-    "1e999",
-    "1_0",
-    "0x1F",
-    "--",
-    "+",
-    ".",
-    "-",
-    "1.",
-    ".5",
-    "-.5",
-    "+3",
-    "1e5",
-    "1E-5",
-    "1e-320",
-    "9e99",
-    "1e13",
-    "99999999999999999",
-    "{",
-    "}",
-    "JOINT",
-    "ROOT",
-    "End",
-    "Site",
-    "OFFSET",
-    "CHANNELS",
-    "MOTION",
-    "Frames:",
-    "Frame",
-    "Time:",
-    "//",
-    "#",
-    "begin",
-    "end",
-    "root",
-    "dof",
-]
-_NAMES = ["Hips", "left leg", "é", "a:b", "x#y", "=1", "歩", "\x1b[1m", "\u202e", "n" * 300, "Site"]
 _AXES = ("X", "Y", "Z")
-_BLANKS = (" ", "  ", "\t", "\n", "\r\n", " # note\n")
-
-
-class _Chance(random.Random):
-    """Random choices, some of which are wild."""
-
-    wild = 0.0
-
-    def is_wild(self) -> bool:
-        return self.random() < self.wild
-
-    def number(self, size: float = 100.0) -> str:
-        if self.is_wild():
-            return self.choice(_WORDS)
-        value = self.uniform(-size, size)
-        return self.choice((f"{value:.4f}", f"{value:g}", f"{value:.0f}", "0", f"{value:e}"))
-
-    def numbers(self, count: int, size: float = 100.0) -> str:
-        count += self.choice((-1, 1)) if self.is_wild() else 0
-        return " ".join(self.number(size) for _ in range(max(0, count)))
-
-    def name(self, number: int) -> str:
-        return self.choice(_NAMES) if self.is_wild() else f"joint{number}"
-
-    def word(self, word: str) -> str:
-        if self.is_wild():
-            return self.choice((word.lower(), word[:-1], word * 2, "", self.choice(_WORDS)))
-        return word
-
-    def count(self, number: int) -> int:
-        return max(0, number + self.choice((-1, 1, 1000, 10**12))) if self.is_wild() else number
-
-    def blank(self) -> str:
-        return self.choice(_BLANKS) if self.is_wild() else "\n"
-
-    def tree(self, most: int) -> list[int]:
-        """Parents of joints, each before its children."""
-        return [-1] + [self.randrange(joint) for joint in range(1, self.randint(1, most))]
 
 
 def made(kind: str, seed: int) -> Files:
     """Make the files of a capture of a format: the same for the same seed."""
-    chance = _Chance(f"{kind} {seed}")
+    chance = Chance(f"{kind} {seed}")
     # Half of all files are as they should be, so that readers get to their ends.
     chance.wild = chance.choice((0.0, 0.0, 0.002, 0.02))
     return FORMATS[kind](chance)
 
 
-def _bvh(chance: _Chance) -> Files:
+def _bvh(chance: Chance) -> Files:
     parents = chance.tree(6)
     channels: list[int] = []
     pieces = [chance.word("HIERARCHY"), chance.blank(), _joint(chance, 0, parents, channels)]
@@ -116,10 +37,10 @@ def _bvh(chance: _Chance) -> Files:
     time = chance.number() if chance.is_wild() else time
     pieces.append(f"{chance.word('Frame Time:')} {time}{chance.blank()}")
     pieces += [chance.numbers(width) + chance.blank() for _ in range(frames)]
-    return {"a.bvh": _encoded(chance, "".join(pieces))}
+    return {"a.bvh": encoded(chance, "".join(pieces))}
 
 
-def _joint(chance: _Chance, joint: int, parents: list[int], channels: list[int]) -> str:
+def _joint(chance: Chance, joint: int, parents: list[int], channels: list[int]) -> str:
     kind = chance.word("JOINT" if joint else "ROOT")
     pieces = [f"{kind} {chance.name(joint)}{chance.blank()}{{{chance.blank()}"]
     pieces.append(f"{chance.word('OFFSET')} {chance.numbers(3, 20.0)}{chance.blank()}")
@@ -139,16 +60,7 @@ def _joint(chance: _Chance, joint: int, parents: list[int], channels: list[int])
     return "".join([*pieces, "}", chance.blank()])
 
 
-def _encoded(chance: _Chance, text: str) -> bytes:
-    data = text.encode("utf-8", "surrogatepass")
-    if chance.is_wild():
-        data = chance.choice(
-            (b"\xef\xbb\xbf" + data, text.encode("utf-16"), data + b"\x00", data[:-9])
-        )
-    return data
-
-
-def _acclaim(chance: _Chance) -> Files:
+def _acclaim(chance: Chance) -> Files:
     parents = chance.tree(6)
     dofs = [chance.sample(("rx", "ry", "rz"), chance.randint(0, 3)) for _ in parents]
     names = ["root", *(chance.name(joint) for joint in range(1, len(parents)))]
@@ -162,10 +74,10 @@ def _acclaim(chance: _Chance) -> Files:
             if dof
         ]
     amc = chance.blank().join(lines) if chance.is_wild() else "\n".join(lines)
-    return {"a.amc": _encoded(chance, amc + "\n"), "a.asf": _encoded(chance, asf)}
+    return {"a.amc": encoded(chance, amc + "\n"), "a.asf": encoded(chance, asf)}
 
 
-def _asf(chance: _Chance, parents: list[int], names: list[str], dofs: list[list[str]]) -> str:
+def _asf(chance: Chance, parents: list[int], names: list[str], dofs: list[list[str]]) -> str:
     word = chance.word
     lines = [word(":version") + " 1.10", word(":units"), "mass 1.0", f"length {chance.number(1.0)}"]
     lines = [*lines[:3], "length 0.45" if chance.random() < 0.9 else lines[3], "angle deg"]
@@ -191,7 +103,7 @@ def _asf(chance: _Chance, parents: list[int], names: list[str], dofs: list[list[
     return "\n".join([*lines, word("end")]) + "\n"
 
 
-def _document(chance: _Chance) -> tuple[dict[str, Any], bytes]:
+def _document(chance: Chance) -> tuple[dict[str, Any], bytes]:
     """Return a glTF and its buffer."""
     parents, frames = chance.tree(6), chance.randint(1, 9)
     nodes: list[dict[str, Any]] = [
@@ -240,25 +152,25 @@ def _document(chance: _Chance) -> tuple[dict[str, Any], bytes]:
     return document, bytes(data)
 
 
-def _vector(chance: _Chance, count: int) -> list[float]:
+def _vector(chance: Chance, count: int) -> list[float]:
     large = chance.choice((1e30, 1e-30, 1e12)) if chance.is_wild() else 1.0
     return [chance.uniform(-2.0, 2.0) * large for _ in range(count)]
 
 
-def _unit(chance: _Chance) -> list[float]:
+def _unit(chance: Chance) -> list[float]:
     values = [chance.gauss(0.0, 1.0) for _ in range(4)]
     length = 0.0 if chance.is_wild() else sum(x * x for x in values) ** 0.5
     return [x / length if length else 0.0 for x in values]
 
 
-def _gltf(chance: _Chance) -> Files:
+def _gltf(chance: Chance) -> Files:
     document, data = _document(chance)
     for buffer in document.get("buffers", ()):
         buffer["uri"] = f"data:application/octet-stream;base64,{base64.b64encode(data).decode()}"
-    return {"a.gltf": _encoded(chance, json.dumps(document))}
+    return {"a.gltf": encoded(chance, json.dumps(document))}
 
 
-def _glb(chance: _Chance) -> Files:
+def _glb(chance: Chance) -> Files:
     document, data = _document(chance)
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
@@ -268,7 +180,7 @@ def _glb(chance: _Chance) -> Files:
     return {"a.glb": b"".join([*pieces, struct.pack("<I", len(data)), b"BIN\x00", data])}
 
 
-def _fbx(chance: _Chance) -> Files:
+def _fbx(chance: Chance) -> Files:
     parents = chance.tree(6)
     wide = chance.random() < 0.3
     objects, links = list[_Element](), list[_Element]()
@@ -293,7 +205,7 @@ def _fbx(chance: _Chance) -> Files:
         (chance.word("Connections"), [], links),
     ]
     if chance.random() < 0.3:
-        return {"a.fbx": _encoded(chance, "; FBX 7.4.0 project file\n" + _fbx_text(nodes))}
+        return {"a.fbx": encoded(chance, "; FBX 7.4.0 project file\n" + _fbx_text(nodes))}
     head = b"Kaydara FBX Binary  \0\x1a\0" + struct.pack("<I", 7500 if wide else 7400)
     body = bytearray(head)
     for one in nodes:
@@ -305,7 +217,7 @@ def _properties(rows: list[tuple[Any, ...]]) -> _Element:
     return ("Properties70", [], [("P", list(row), []) for row in rows])
 
 
-def _curves(chance: _Chance, joints: int, objects: list[_Element], links: list[_Element]) -> None:
+def _curves(chance: Chance, joints: int, objects: list[_Element], links: list[_Element]) -> None:
     frames = chance.randint(1, 9)
     ticks = [46_186_158_000 // 30 * frame for frame in range(frames)]
     for joint in range(joints):
@@ -324,7 +236,7 @@ def _curves(chance: _Chance, joints: int, objects: list[_Element], links: list[_
             links.append(("C", ["OP", group + axis + 1, group, f"d|{'XYZ'[axis]}"], []))
 
 
-def _fbx_element(chance: _Chance, one: _Element, wide: bool, data: bytearray) -> None:
+def _fbx_element(chance: Chance, one: _Element, wide: bool, data: bytearray) -> None:
     name, values, inside = one
     form = "<QQQ" if wide else "<III"
     start, size = len(data), struct.calcsize(form)
@@ -341,7 +253,7 @@ def _fbx_element(chance: _Chance, one: _Element, wide: bool, data: bytearray) ->
     struct.pack_into(form, data, start, *told)
 
 
-def _fbx_value(chance: _Chance, value: Any) -> bytes:
+def _fbx_value(chance: Chance, value: Any) -> bytes:
     match value:
         case str():
             raw = value.encode("utf-8", "replace")
@@ -375,5 +287,12 @@ def _fbx_word(value: Any) -> str:
     return repr(value)
 
 
-FORMATS = {"fbx": _fbx, "bvh": _bvh, "amc": _acclaim, "gltf": _gltf, "glb": _glb}
+FORMATS = {
+    "fbx": _fbx,
+    "bvh": _bvh,
+    "amc": _acclaim,
+    "gltf": _gltf,
+    "glb": _glb,
+    **POINTS,
+}
 """What makes the files of each format."""

@@ -8,11 +8,13 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-from tests.fuzz.grammar import Files
+from tests.fuzz.chance import Files
 
 import roundelay as rl
 from roundelay.formats import suffixes_of, writers
+from roundelay.formats.registry import PointsReader, reader_of
 from roundelay.formats.sane import fault_of
+from roundelay.motion.points import Points
 
 __all__ = ["changed", "outcome"]
 
@@ -26,14 +28,17 @@ def outcome(files: Files) -> str:
         for name, content in files.items():
             (folder / name).write_bytes(content)
         path = folder / next(iter(files))
+        points = isinstance(reader_of(path), PointsReader)
         try:
-            motion = rl.read(path)
+            found = rl.read_points(path) if points else rl.read(path)
         except rl.FormatError as error:
             return "refused" if str(path.parent) in str(error) else f"no file in: {error}"
         except Exception as error:
             return f"{type(error).__name__}: {error}"
         try:
-            return _came_back(motion, folder / f"again{_written(path.suffix)}")
+            if isinstance(found, Points):
+                return _points_came_back(found, path)
+            return _came_back(found, folder / f"again{_written(path.suffix)}")
         except Exception as error:
             return f"written again: {type(error).__name__}: {error}"
 
@@ -41,6 +46,27 @@ def outcome(files: Files) -> str:
 def _written(suffix: str) -> str:
     """Return the suffix of a file of the same kind that there is a writer of."""
     return suffix if suffix in suffixes_of(writers) else ".glb"
+
+
+def _points_came_back(points: Points, path: Path) -> str:
+    """Write points that were read, and read them again; and read them as a motion."""
+    writer = next((one for one in writers if path.suffix in one.suffixes), None)
+    writer = writer or next(one for one in writers if ".npz" in one.suffixes)
+    place = path.with_name(f"again{writer.suffixes[0]}")
+    writer.write_points(points, place)
+    again = rl.read_points(place)
+    if len(again) != len(points) or not np.isclose(again.fps, points.fps, rtol=1e-6):
+        return f"frames or rate changed: {points!r} to {again!r}"
+    if not np.array_equal(again.missing, points.missing):
+        return f"gaps changed: {points!r} to {again!r}"
+    apart = np.abs(again.positions[..., : points.dimensions] - points.positions).max()
+    if apart > 1e-7 * (1.0 + np.abs(points.positions).max()):
+        return f"places changed: {apart}"
+    try:
+        fault = fault_of(rl.read(path))
+    except rl.FormatError:
+        return "accepted"
+    return f"not sane: {fault}" if fault else "accepted"
 
 
 def _came_back(motion: rl.Motion, path: Path) -> str:

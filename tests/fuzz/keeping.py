@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.fuzz.grammar import Files
+from tests.fuzz.chance import Files
 
 from roundelay.formats import readers, suffixes_of
 

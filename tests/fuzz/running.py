@@ -9,7 +9,8 @@ from collections.abc import Generator
 from pathlib import Path
 from typing import Any, NoReturn
 
-from tests.fuzz.grammar import FORMATS, Files, made
+from tests.fuzz.chance import Files
+from tests.fuzz.grammar import FORMATS, made
 from tests.fuzz.holding import changed, outcome
 from tests.fuzz.keeping import FOLDER, kept
 

@@ -346,3 +346,22 @@ def test_a_format_without_such_a_choice_says_so(tmp_path):
         rl.read_points(tmp_path / "a.trc", character="A")
     with pytest.raises(ValueError, match="expected no --salvage"):
         rl.read_points(tmp_path / "a.trc", salvage=True)
+
+
+def test_points_are_written_by_the_suffix(tmp_path):
+    positions = np.cumsum(np.random.default_rng(0).normal(size=(60, 1, 3)), axis=0) + places(1, 8)
+    positions[4:8, 2] = np.nan
+    points = Points.from_array(positions, fps=60.0)
+    rl.write(points, tmp_path / "a.trc")
+    assert np.array_equal(rl.read_points(tmp_path / "a.trc").missing, points.missing)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rl.RoundelayWarning)
+        rl.write(points, tmp_path / "a.glb")
+    assert len(rl.read(tmp_path / "a.glb")) == 60
+    with pytest.raises(ValueError, match="frames a second, found 1e"):
+        rl.write(Points.from_array(positions, fps=1e6), tmp_path / "b.trc")
+    with pytest.raises(ValueError, match="expected places of at most 1e"):
+        rl.write(Points.from_array(1e14 * positions, fps=60.0), tmp_path / "b.trc")
+    with pytest.raises(rl.TooShort):
+        rl.write(points[:0], tmp_path / "b.trc")
+    assert not (tmp_path / "b.trc").exists()

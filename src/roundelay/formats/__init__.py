@@ -17,7 +17,7 @@ from roundelay.base.files import STANDARD_INPUT, name_of, unpacked
 from roundelay.base.texts import shown
 from roundelay.formats.contents import Contents
 from roundelay.formats.options import ReadOptions
-from roundelay.formats.points import motion_in_file
+from roundelay.formats.points import WritesPoints, motion_in_file
 from roundelay.formats.registry import (
     ChoosingPointsReader,
     ChoosingReader,
@@ -40,10 +40,10 @@ from roundelay.formats.registry import (
     writer_of,
     writers,
 )
-from roundelay.formats.sane import fault_of
+from roundelay.formats.sane import fault_of, fault_of_points
 from roundelay.geometry.kinematics import vertical_axis
 from roundelay.geometry.skeleton import Skeleton
-from roundelay.motion.floating import points_of_motion
+from roundelay.motion.floating import motion_of_points, points_of_motion
 from roundelay.motion.motion import Motion, checked_rate
 from roundelay.motion.points import Points
 
@@ -244,12 +244,14 @@ def _upright(motion: Motion) -> Motion:
     return motion if up == motion.up else replace(motion, up=up)
 
 
-def write(motion: Motion, path: str | PathLike[str]) -> None:
+def write(motion: Motion | Points, path: str | PathLike[str]) -> None:
     """Write a motion to a file, in the format its suffix names.
 
     A motion read from the same format is written with that file's channels. An AMC gets its
     ASF beside it, of the same name; in ``.glb`` and ``.gltf`` the vertical axis becomes Y, and
-    an FBX is read back with lengths in centimetres. The file appears whole or not at all.
+    an FBX is read back with lengths in centimetres. Points are written with their gaps to the
+    formats that hold points, and with gaps filled to the others. The file appears whole or not at
+    all.
 
     Raises
     ------
@@ -257,12 +259,17 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
         If the suffix is not known, or the motion has a rate, lengths or names that no file may
         hold; see `roundelay.formats.sane`.
     TooShort
-        If the motion has no frame.
+        If the motion has no frame, or in none of them enough points are seen.
     OSError
         If the file cannot be written.
     """
     path = as_path(path)
     writer = writer_of(path)
+    if isinstance(motion, Points):
+        if isinstance(writer, WritesPoints) and len(motion):
+            _write_points(writer, motion, path)
+            return
+        motion = motion_of_points(motion)
     if not len(expected(Motion, motion)):
         raise TooShort("expected a motion of at least one frame, found none")
     fault = fault_of(motion)
@@ -271,3 +278,10 @@ def write(motion: Motion, path: str | PathLike[str]) -> None:
     name = shown(motion.name)
     motion = motion if name == motion.name else replace(motion, name=name)
     writer.write(motion, path)
+
+
+def _write_points(writer: WritesPoints, points: Points, path: Path) -> None:
+    fault = fault_of_points(points)
+    if fault is not None:
+        raise ValueError(fault)
+    writer.write_points(points, path)

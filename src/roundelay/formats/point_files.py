@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from roundelay.base.errors import FormatError, RateAssumed, RoundelayWarning
 from roundelay.base.files import name_of
 from roundelay.formats.nodes import called
-from roundelay.formats.sane import LARGEST, SLOWEST, fault_of_size, require_memory
+from roundelay.formats.sane import SLOWEST, fault_of_points, fault_of_size, require_memory
 from roundelay.motion.motion import FASTEST
 from roundelay.motion.points import Points
 
@@ -146,12 +146,14 @@ def made(
         If the rate or a place is not sane, or nothing is seen.
     """
     notes = notes or Notes(path)
-    if not SLOWEST <= fps <= FASTEST:
+    if not fps > 0.0:
         rates = f"from {SLOWEST:g} to {FASTEST:g} frames a second, found {fps:g}"
         raise FormatError(f"expected {rates}", path=path)
     places = np.asarray(positions, float)
     points = Points(distinct(names), places, fps, **{"name": name_of(path), **others})
-    _refuse_large(path, points)
+    fault = fault_of_points(points)
+    if fault is not None:
+        raise FormatError(fault, path=path)
     seen = np.asarray(points.seen.any(axis=0)).tolist()
     if not any(seen):
         raise FormatError("expected points, found none that is seen in any frame", path=path)
@@ -162,18 +164,6 @@ def made(
         points = points.select(kept)
     notes.give()
     return points
-
-
-def _refuse_large(path: Path, points: Points) -> None:
-    largest = max(float(points.positions.max(initial=0)), -float(points.positions.min(initial=0)))
-    if largest > LARGEST:
-        at = np.argmax(np.abs(points.positions).max(axis=2))
-        frame, point = divmod(int(at), len(points.names))
-        raise FormatError(
-            f"expected places of at most {LARGEST:g}, found {largest:.3g} in frame {frame + 1} "
-            f"of {points.names[point]!r}",
-            path=path,
-        )
 
 
 def seen_beside_origin(places: Array) -> Array:

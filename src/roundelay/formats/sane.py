@@ -5,9 +5,12 @@ What is read lies within it, and so does what is written: a file that was writte
 
 from __future__ import annotations
 
+import numpy as np
+
 from roundelay.base.memory import require_room
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import FASTEST, Motion
+from roundelay.motion.points import Points
 
 __all__ = [
     "LARGEST",
@@ -16,6 +19,7 @@ __all__ = [
     "SHORTEST",
     "SLOWEST",
     "fault_of",
+    "fault_of_points",
     "fault_of_size",
     "require_memory",
 ]
@@ -64,6 +68,22 @@ def fault_of(motion: Motion) -> str | None:
         return f"expected {rates}; give the true rate (--capture-fps)"
     size = fault_of_size(len(motion), motion.skeleton.n_joints)
     return size or _fault_of_names(motion.skeleton) or _fault_of_lengths(motion)
+
+
+def fault_of_points(points: Points) -> str | None:
+    """Tell what is not sane of points: what was expected, and what was found; None if all is."""
+    if not SLOWEST <= points.fps <= FASTEST:
+        rates = f"from {SLOWEST:g} to {FASTEST:g} frames a second, found {points.fps:g}"
+        return f"expected {rates}; give the true rate (--capture-fps)"
+    size = fault_of_size(len(points), len(points.names))
+    if size is not None:
+        return size.replace("joints", "points")
+    far = np.abs(points.positions).max(axis=2)
+    if not far.max(initial=0.0) > LARGEST:
+        return None
+    frame, point = np.unravel_index(np.argmax(far), far.shape)
+    where = f"in frame {frame + 1} of {points.names[point]!r}"
+    return f"expected places of at most {LARGEST:g}, found {far.max():.3g} {where}"
 
 
 def _fault_of_names(skeleton: Skeleton) -> str | None:

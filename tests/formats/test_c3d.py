@@ -359,3 +359,9 @@ def test_what_is_whole_of_half_a_file_can_be_kept(tmp_path):
     path.write_bytes(GOOD[:1030])
     with pytest.raises(rl.FormatError, match="found 0"):
         rl.read_points(path, salvage=True)
+
+
+def test_residuals_too_small_for_single_precision(tmp_path):
+    points = Points(("A", "B", "C"), X, 100.0, residuals=np.full((5, 3), 1e-44))
+    C3dWriter().write_points(points, tmp_path / "b.c3d")
+    assert C3dReader().read_points(tmp_path / "b.c3d").residuals is None

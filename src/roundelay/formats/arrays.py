@@ -272,4 +272,4 @@ class NpzWriter(WritesPoints):
         }
         given = {name: value for name, value in told.items() if value is not None}
         with written_beside(path) as part, part.open("wb") as file:
-            np.savez_compressed(file, **given)
+            np.savez(file, **given)

@@ -163,7 +163,7 @@ def _frames(file: C3dFile, scale: float, notes: Notes, *, salvage: bool) -> int:
     if told and told[0] != header.points:
         found = f"expected the {told[0]} points of POINT:USED, found {header.points}"
         raise source.error(found, 2)
-    promised = _promised(file)
+    promised = _promised(file, notes)
     size = (2 if scale > 0 else 4) * (4 * header.points + header.samples)
     left = len(source.data) - header.start
     held = max(0, left) // size
@@ -179,7 +179,7 @@ def _frames(file: C3dFile, scale: float, notes: Notes, *, salvage: bool) -> int:
     return promised
 
 
-def _promised(file: C3dFile) -> int:
+def _promised(file: C3dFile, notes: Notes) -> int:
     """Return the number of frames: parameters tell it where the header cannot count so far."""
     header = file.header
     counted = header.last - header.first + 1
@@ -196,6 +196,9 @@ def _promised(file: C3dFile) -> int:
     if promised < 1:
         found = f"expected frames, found the first {header.first} and the last {header.last}"
         raise file.source.error(found, 6)
+    if counted < 1:
+        counted_so = f"from {header.first} to {header.last} in the header"
+        notes.add(f"frames counted {counted_so}, {promised} in the parameters")
     return promised
 
 

@@ -27,6 +27,8 @@ _MOST_BLOCKS = 255
 _MOST_COUNTED = 65535
 # What an offset of two bytes with sign can skip, less what stands in front of it.
 _LONGEST = 32000
+# Residuals that are smaller are none.
+_FINEST = 1e-30
 # A number of four bytes that is not 0.
 _LEAST = 2e-38
 
@@ -82,7 +84,7 @@ def _fitting(points: Points, analog: Analog | None, path: Path) -> tuple[Analog 
 def _scale(points: Points) -> float:
     """Return the step of residuals, of which there are 255."""
     largest = 0.0 if points.residuals is None else float(points.residuals.max(initial=0.0))
-    return largest / 255.0 if largest > 0.0 else 0.1
+    return largest / 255.0 if largest > _FINEST else 0.1
 
 
 def _header(

@@ -85,6 +85,8 @@ def _parse_block(block: bytes) -> Array | None:
     odd |= _has_other_marks(chars, blank, starts, int(signed.sum()))
     whole, part = dots - starts - signed, np.maximum(stops - dots - 1, 0)
     odd |= (whole > 8) | (part > 8) | (whole + part > 15) | (whole + part == 0)
+    if 2 * np.count_nonzero(odd) > len(odd):
+        return _one_by_one(block)
     whole[odd] = part[odd] = 0
     words = np.ndarray(len(chars) - 7, "<u8", padded, strides=(1,))
     scale = _POWERS[part]
@@ -99,6 +101,15 @@ def _parse_block(block: bytes) -> Array | None:
     except ValueError:
         return None
     return values if np.all(np.abs(values[rest]) <= LARGEST) else None
+
+
+def _one_by_one(block: bytes) -> Array | None:
+    """Return the numbers of a block most of which have too many digits or exponents."""
+    try:
+        values = np.array([float(word) for word in block.split()])
+    except ValueError:
+        return None
+    return values if np.all(np.abs(values) <= LARGEST) else None
 
 
 def _dots(chars: NDArray[np.uint8], starts: Places, stops: Places) -> tuple[Places, Flags]:

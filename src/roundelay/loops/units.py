@@ -9,11 +9,9 @@ import numpy as np
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.loops.thresholds import UNITS
 from roundelay.motion.floating import PointsLayout
+from roundelay.motion.points import METRES
 
-__all__ = ["METRES", "Lengths"]
-
-METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
-"""Metres that a unit has, by its usual sign."""
+__all__ = ["Lengths"]
 
 
 @dataclass(frozen=True)

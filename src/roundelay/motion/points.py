@@ -13,9 +13,12 @@ from roundelay.base.checks import as_number, as_numbers, as_sequence
 from roundelay.base.errors import SkeletonMismatch
 from roundelay.motion.poses import Mask
 
-__all__ = ["Points"]
+__all__ = ["METRES", "Points"]
 
 Array = NDArray[np.float64]
+
+METRES = {"m": 1.0, "cm": 1 / 100, "mm": 1 / 1000, "in": 254 / 10_000, "ft": 3048 / 10_000}
+"""Metres that a unit has, by its usual sign."""
 
 
 @dataclass(frozen=True, eq=False)

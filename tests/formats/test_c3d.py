@@ -98,6 +98,14 @@ def test_points_in_other_units_are_none(read):
         assert read(c3d(X, more=more)).names == ("LASI", "SACR")
 
 
+def test_trajectories_without_a_label_are_left_out(read):
+    with pytest.warns(rl.RoundelayWarning, match=r"2 without a label, left out \(\*1, \*2\)"):
+        found = read(c3d(places(5, 4), ["LASI", "*1", "RASI", "*2"]))
+    assert found.names == ("LASI", "RASI")
+    # Where nothing has a label, that is all there is.
+    assert read(c3d(places(5, 2), ["*1", "*2"])).names == ("*1", "*2")
+
+
 def test_axes_of_segments_are_left_out_and_origins_stay(read):
     labels = ["PELO", "PELA", "PELL", "PELP", "HEAD", "HALO"]
     with pytest.warns(rl.RoundelayWarning, match="3 axes of segments, left out"):

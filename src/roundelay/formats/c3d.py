@@ -267,7 +267,7 @@ def _places_of(file: C3dFile, names: list[str], notes: Notes) -> list[int]:
     outputs, axes = _outputs(file), _axes(names)
     units = file.texts("POINT", "UNITS")
     units = units if len(units) >= len(names) > 1 else [""] * len(names)
-    computed, places = [], []
+    computed, places = list[str](), list[int]()
     for number, (name, unit) in enumerate(zip(names, units, strict=False)):
         if {name, _bare(name)} & outputs or unit.strip().lower() not in {"", *_LENGTHS}:
             computed.append(name)
@@ -275,6 +275,11 @@ def _places_of(file: C3dFile, names: list[str], notes: Notes) -> list[int]:
             places.append(number)
     notes.add_named(computed, "outputs of a model, no points, left out")
     notes.add_named(sorted(axes), "axes of segments, left out")
+    nameless = [number for number in places if names[number].startswith("*")]
+    if len(nameless) < len(places):
+        # Vicon's names of trajectories that nobody labelled: they come and go on any marker.
+        notes.add_named([names[number] for number in nameless], "without a label, left out")
+        places = [number for number in places if number not in nameless]
     if not places:
         told = f"{len(computed)} outputs of a model alone"
         raise file.source.error(f"expected points, found {told}", 2)

@@ -215,3 +215,32 @@ def test_everything_else_takes_points():
     assert rl.blend([first, second], weights=[0.5, 0.5]).period == pytest.approx(
         made.period, rel=0.02
     )
+
+
+def test_takes_of_other_points_are_blended_by_those_in_common():
+    made, points = _walk()
+    slower = synth.gait("walk", repetitions=6.0, fps=60.0, period=1.3, rng=3)
+    names = ["LeftToe" if name == "Head" else name for name in points.names]
+    others = synth.as_points(slower.motion, rng=1)
+    others = rl.Points.from_array(others.positions, fps=60.0, names=names, units="m")
+    first, second = (rl.find_cycles(one)[0] for one in (points, others))
+    mixed = rl.blend([first, second], weights=[0.5, 0.5])
+    assert set(mixed.skeleton.names[1:]) == set(points.names) - {"Head"}
+    assert mixed.period == pytest.approx(np.sqrt(made.period * 1.3), rel=0.02)
+    alone = rl.blend([first, second], weights=[1.0, 0.0]).sample()
+    shown = points_of_motion(alone)
+    truth = points_of_motion(first.sample()).select(shown.names)
+    assert np.allclose(shown.positions, truth.positions, atol=1e-6)
+    assert rl.cycle_distance(first, second) == pytest.approx(
+        rl.cycle_distance(second, first), abs=0.01
+    )
+
+
+def test_takes_in_other_units_are_not_blended():
+    _, points = _walk()
+    first = rl.find_cycles(points)[0]
+    millimetres = rl.Points.from_array(
+        1000.0 * points.positions, fps=60.0, names=points.names, units="mm"
+    )
+    with pytest.raises(ValueError, match="one unit of length, found m and mm"):
+        rl.blend([first, rl.find_cycles(millimetres)[0]], weights=[0.5, 0.5])

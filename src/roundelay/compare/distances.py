@@ -18,6 +18,7 @@ from roundelay.base.numeric import SMALLEST
 from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import align
+from roundelay.cycles.edit.points import of_common_points
 from roundelay.topology.rips import Barcode
 
 __all__ = [
@@ -124,7 +125,7 @@ def cycle_distance(first: Cycle, second: Cycle, *, mirror: bool = True) -> float
     Parameters
     ----------
     first, second : Cycle
-        Of one skeleton; bone lengths may differ.
+        Of one skeleton; bone lengths may differ. Of points, those that both have are compared.
     mirror : bool
         Take the distance to the mirrored cycle where that is less.
 
@@ -133,7 +134,8 @@ def cycle_distance(first: Cycle, second: Cycle, *, mirror: bool = True) -> float
     SkeletonMismatch
         If their joints differ.
     """
-    return align(expected(Cycle, first), expected(Cycle, second), mirror=mirror).distance
+    one, other = of_common_points([expected(Cycle, first), expected(Cycle, second)])
+    return align(one, other, mirror=mirror).distance
 
 
 @one_thread

@@ -12,6 +12,7 @@ that is done with motions can be done with points.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -63,6 +64,17 @@ class PointsLayout:
     links: Links
     source: Any
     gaps: tuple[Gap, ...]
+
+    def part(self, names: Collection[str]) -> PointsLayout:
+        """Return the layout of some of the points; what the file held besides is of all."""
+        places = [place for place, name in enumerate(self.names) if name in names]
+        new = {old: number for number, old in enumerate(places)}
+        return replace(
+            self,
+            names=tuple(self.names[place] for place in places),
+            links=tuple((new[a], new[b]) for a, b in self.links if a in new and b in new),
+            gaps=tuple(gap for gap in self.gaps if gap.point in names),
+        )
 
 
 def as_motion(take: Motion | Points) -> Motion:

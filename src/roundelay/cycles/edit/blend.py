@@ -20,6 +20,7 @@ from roundelay.base.numeric import ROUNDING, SIX_DIGITS, smoothstep
 from roundelay.base.threads import one_thread
 from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.align import Criterion, align, mapped
+from roundelay.cycles.edit.points import of_common_points
 from roundelay.cycles.thresholds import ALIGNMENT
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.skeleton import Skeleton
@@ -55,13 +56,14 @@ class CycleSpace:
             If there are none, a joint makes whole turns in some of them only, or not the same
             axis points up in all.
         SkeletonMismatch
-            If their skeletons differ, naming the joints.
+            If their skeletons differ, naming the joints; of markers and keypoints those in common
+            count.
         """
         cycles = all_expected(Cycle, cycles)
         if not cycles:
             raise ValueError("expected at least one cycle, found none")
-        first = cycles[0]
-        others = [align(first, other, by=by, mirror=mirror).cycle for other in cycles[1:]]
+        first, *others = of_common_points(cycles)
+        others = [align(first, other, by=by, mirror=mirror).cycle for other in others]
         return cls((first, *[_same_signs(first, other) for other in others]))
 
     @one_thread

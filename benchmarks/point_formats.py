@@ -412,8 +412,8 @@ def _summary(
             "roundelay": ours["refused"],
             "c3d_files": broken["c3d"]["files"],
             "told": ours["told"],
-            "ezc3d": broken["ezc3d"]["refused"] + broken["ezc3d"]["told"],
-            "c3d": broken["c3d"]["refused"] + broken["c3d"]["told"],
+            **{name: broken[name]["refused"] for name in _PEERS[".c3d"]},
+            **{f"{name}_told": broken[name]["told"] for name in _PEERS[".c3d"]},
             "hangs": sum(end in ("hang", "crash", "out of memory") for end in odd.values()),
         },
         "round_trip": {

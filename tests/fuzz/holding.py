@@ -18,6 +18,9 @@ from roundelay.motion.points import Points
 
 __all__ = ["changed", "outcome"]
 
+# One of so many files of points is read as a motion, too, which takes ten times as long.
+_AS_MOTIONS = 10
+
 
 def outcome(files: Files) -> str:
     """Read the files of a capture: "accepted", "refused", or what went wrong."""
@@ -62,6 +65,8 @@ def _points_came_back(points: Points, path: Path) -> str:
     apart = np.abs(again.positions[..., : points.dimensions] - points.positions).max()
     if apart > 1e-7 * (1.0 + np.abs(points.positions).max()):
         return f"places changed: {apart}"
+    if path.stat().st_size % _AS_MOTIONS:
+        return "accepted"
     try:
         fault = fault_of(rl.read(path))
     except rl.FormatError:

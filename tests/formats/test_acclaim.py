@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import roundelay as rl
 from roundelay import FormatError, Motion, Skeleton, read, write
+from roundelay.base.errors import GapsFilled
 from roundelay.formats.acclaim import AcclaimLayout
 from roundelay.geometry import rotations as rot
 
@@ -237,6 +238,14 @@ def test_refuses_skeletons(acclaim, asf, line, column, message):
     assert caught.value.path == path.with_name("07.asf")
 
 
+def test_what_was_not_seen_is_a_gap(acclaim):
+    path = acclaim(amc=[("ltibia 9", "ltibia nan")])
+    with pytest.warns(GapsFilled, match="1 values that are missing .* in frame 1, are filled"):
+        found = read(path)
+    joint = found.skeleton.index("ltibia")
+    assert np.allclose(found.rotations[1, joint], found.rotations[0, joint])
+
+
 AMC_REFUSED = {
     "missing bone": ([("lfemur 6 7 8\n", "")], 10, 9, "expected bone lfemur in the last frame"),
     "missing bone early": ([("lfemur 5 6 7\n", "")], 7, 1, "expected bone lfemur in this frame"),
@@ -245,7 +254,7 @@ AMC_REFUSED = {
     "too many numbers": ([("ltibia 9", "ltibia 9 9")], 11, 10, "expected 1 numbers for ltibia"),
     "too few numbers": ([("lfemur 6 7 8", "lfemur 6 7")], 10, 10, "expected 3 numbers for lfemur"),
     "truncated": ([("lfemur 6 7 8\nltibia 9\n", "lfe")], 10, 1, "a bone of the skeleton"),
-    "nan": ([("ltibia 9", "ltibia nan")], 11, 8, "expected a number, found 'nan'"),
+    "inf": ([("ltibia 9", "ltibia inf")], 11, 8, "expected a number, found 'inf'"),
     "infinite": ([("ltibia 9", "ltibia 1e999")], 11, 8, "found '1e999'"),
     "underscore": ([("ltibia 9", "ltibia 1_0")], 11, 8, "found '1_0'"),
     "number skipped": ([("\n2\n", "\n3\n")], 8, 1, "expected frame 2, found '3'"),

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from roundelay import FormatError, read
-from roundelay.base.errors import RoundelayWarning
+from roundelay.base.errors import GapsFilled, RoundelayWarning
 from roundelay.geometry import rotations as rot
 
 BODY = """1 2 3 10 20 30 1 2 3 4 5 6
@@ -206,7 +206,7 @@ REFUSED = {
     "time negative": ([("0.04", "-0.04")], 27, 13, "found '-0.04'"),
     "time nan": ([("0.04", "nan")], 27, 13, "found 'nan'"),
     "time infinite": ([("0.04", "1e999")], 27, 13, "found '1e999'"),
-    "value nan": ([("11 21 31", "11 nan 31")], 29, 10, "expected a number, found 'nan'"),
+    "value inf": ([("11 21 31", "11 inf 31")], 29, 10, "expected a number, found 'inf'"),
     "value inf": ([("11 21 31", "11 -inf 31")], 29, 10, "found '-inf'"),
     "value overflow": ([("11 21 31", "11 1e999 31")], 29, 10, "found '1e999'"),
     "value word": ([("11 21 31", "11 x 31")], 29, 10, "found 'x'"),
@@ -356,11 +356,18 @@ def test_a_recording_that_was_cut_off(bvh):
         read(bvh(("21 31", "21")), salvage=True)
 
 
+@pytest.mark.parametrize("nothing", ["nan", "NaN", "-nan(ind)", "-1.#IND", "1.#QNAN0"])
+def test_what_was_not_seen_is_a_gap(bvh, nothing):
+    path = bvh(("2 3 4 11", f"2 {nothing} 4 {nothing}"))
+    with pytest.warns(GapsFilled, match="2 values that are missing .* in frame 1, are filled"):
+        same(read(path), read(bvh(name="whole.bvh")))
+
+
 def test_what_is_no_number_is_filled_if_asked(bvh):
-    path = bvh(("2 3 4 11", "2 nan 4 -1.#IND"), name="b.bvh")
-    with pytest.raises(FormatError, match="found 'nan'; --salvage fills"):
+    path = bvh(("2 3 4 11", "2 x 4 -"), name="b.bvh")
+    with pytest.raises(FormatError, match="found 'x'; --salvage fills"):
         read(path)
-    with pytest.warns(RoundelayWarning, match="2 words that are no number are filled"):
+    with pytest.warns(RoundelayWarning, match="2 values that are missing or no number, in frame 1"):
         same(read(path, salvage=True), read(bvh()))
     with pytest.raises(FormatError, match="expected a number in channel 2, found none"):
         read(

@@ -66,7 +66,7 @@ class AmcReader:
             raise ValueError("expected a skeleton that was read from an ASF")
         heading = _Heading.read(source, skeleton.layout)
         table = _Table(source, heading.start, skeleton)
-        values = table.read()
+        values = text.filled(source, heading.start, table.read())
         text.check_proportion(source, heading.start, len(values), skeleton.n_joints)
         layout = replace(
             skeleton.layout,
@@ -233,7 +233,7 @@ class _Table:
             raise self.cursor.source.error(
                 f"expected {len(columns)} numbers for {name}, found {len(line) - 1}", line[-1].at
             )
-        row[columns] = [self.cursor.as_number(token, "a number") for token in line[1:]]
+        row[columns] = [self.cursor.value(token) for token in line[1:]]
         missing.remove(name)
 
 

@@ -151,8 +151,7 @@ def _body(cursor: text.Cursor, frames: int, found: list[Hierarchy], *, salvage: 
     frames = _frames(source, start, frames, width, len(values), salvage)
     text.check_proportion(source, start, frames, sum(one.skeleton.n_joints for one in found))
     table = values[: frames * width].reshape(frames, width)
-    if not np.all(np.isfinite(table)):
-        table = _filled(source, start, table)
+    table = text.filled(source, start, table)
     return table if width != bare or not any(x.at_ends for x in found) else _widened(table, found)
 
 
@@ -188,19 +187,6 @@ def _frames(
 
 def _counted(frames: int) -> str:
     return f"{frames} frame{'s' if frames > 1 else ''}"
-
-
-def _filled(source: text.Source, start: int, table: Array) -> Array:
-    """Put straight lines where numbers are missing, channel by channel."""
-    result, frames = table.copy(), np.arange(len(table))
-    for column in np.flatnonzero(~np.isfinite(table).all(axis=0)).tolist():
-        known = np.isfinite(table[:, column])
-        if not known.any():
-            raise source.error(f"expected a number in channel {column + 1}, found none", start)
-        result[:, column] = np.interp(frames, frames[known], table[known, column])
-    missing = int((~np.isfinite(table)).sum())
-    note(source.path, f"{missing} words that are no number are filled from the frames beside them")
-    return result
 
 
 def _widened(table: Array, found: list[Hierarchy]) -> Array:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.errors import FormatError, RoundelayWarning
+from roundelay.base.errors import FormatError, GapsFilled, RoundelayWarning
 from roundelay.base.files import content, written_beside
 from roundelay.formats import decimals
 from roundelay.formats.encodings import in_utf8
@@ -22,6 +22,7 @@ __all__ = [
     "Source",
     "Token",
     "check_proportion",
+    "filled",
     "lines",
     "load",
     "numbers",
@@ -39,6 +40,8 @@ _WORD = re.compile(rb"\S+")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
 # Between a digit and the sign of the next number.
 _GLUED = re.compile(rb"(?<=[0-9.])(?=[+-])")
+# How programs write that there is no number, the old Windows ones as 1.#QNAN.
+_GAP = re.compile(rb"[+-]?nan(\(\w*\))?|[+-]?1\.#(qnan|ind)0*", re.IGNORECASE)
 _COMMA = re.compile(rb"(?<=[0-9]),(?=[0-9])")
 _OFFSET = re.compile(rb"offset[^\n{}]*", re.IGNORECASE)
 _SHOWN = 40
@@ -203,6 +206,17 @@ class Cursor:
             return float(token.text)
         raise self.found(expected, token)
 
+    def value(self, token: Token) -> float:
+        """Return a word as a finite decimal number, or as NaN if it says so.
+
+        Raises
+        ------
+        FormatError
+            If it is neither.
+        """
+        gap = _GAP.fullmatch(token.text.encode())
+        return np.nan if gap else self.as_number(token, "a number")
+
     def line(self) -> Token:
         """Return the rest of the line up to a brace, without surrounding blanks."""
         start = self.position
@@ -226,7 +240,8 @@ def shown(text: str) -> str:
 def numbers(source: Source, start: int, *, salvage: bool = False) -> NDArray[np.float64]:
     """Return the numbers (n,) from a byte offset to the file's end.
 
-    Numbers that stand glued together, as in ``66.8-0.01``, are parted, with a note.
+    Numbers that stand glued together, as in ``66.8-0.01``, are parted, with a note. NaN, however
+    a program writes it, is a gap: what was not seen.
 
     Parameters
     ----------
@@ -243,12 +258,48 @@ def numbers(source: Source, start: int, *, salvage: bool = False) -> NDArray[np.
     values = decimals.parse(source.data, start)
     if values is None:
         values = _parted(source, start)
-    if values is None and salvage:
-        words = _GLUED.sub(b" ", source.data[start:]).split()
-        return np.array([float(x) if decimals.is_number(x) else np.nan for x in words])
     if values is None:
-        raise _bad_number(source, start)
+        words = _GLUED.sub(b" ", source.data[start:]).split()
+        known = [decimals.is_number(word) for word in words]
+        others = (word for word, number in zip(words, known, strict=True) if not number)
+        if not (salvage or all(map(_GAP.fullmatch, others))):
+            raise _bad_number(source, start)
+        values = np.array(
+            [float(x) if number else np.nan for x, number in zip(words, known, strict=True)]
+        )
     return values
+
+
+def filled(source: Source, start: int, table: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Put straight lines where numbers (F, C) are missing, channel by channel, with a note.
+
+    Raises
+    ------
+    FormatError
+        If a channel has no number at all.
+    """
+    missing = ~np.isfinite(table)
+    if not missing.any():
+        return table
+    result, frames = table.copy(), np.arange(len(table))
+    for column in np.flatnonzero(missing.any(axis=0)).tolist():
+        known = ~missing[:, column]
+        if not known.any():
+            raise source.error(f"expected a number in channel {column + 1}, found none", start)
+        result[:, column] = np.interp(frames, frames[known], table[known, column])
+    told = (
+        f"{int(missing.sum())} values that are missing or no number, in {_in_words(missing)}, are "
+        "filled from the frames beside them"
+    )
+    warnings.warn(f"{source.path}: {told}", GapsFilled, stacklevel=3)
+    return result
+
+
+def _in_words(missing: NDArray[np.bool_]) -> str:
+    frames = np.flatnonzero(missing.any(axis=1))
+    if frames[0] == frames[-1]:
+        return f"frame {frames[0]}"
+    return f"{len(frames)} frames from {frames[0]} to {frames[-1]}"
 
 
 def _parted(source: Source, start: int) -> NDArray[np.float64] | None:

@@ -144,6 +144,42 @@ class Points:
         numbered = tuple(f"point {number}" for number in range(1, count + 1))
         return cls(numbered if names is None else tuple(names), values, fps, **others)
 
+    @classmethod
+    def from_dataset(
+        cls, dataset: Any, *, individual: str | None = None, fps: float | None = None
+    ) -> Points:
+        """Make points of a dataset of `movement` or an array of xarray.
+
+        Parameters
+        ----------
+        dataset : xarray.Dataset or xarray.DataArray
+            See `roundelay.motion.datasets`.
+        individual : str, optional
+            Whose; the one seen most by default.
+        fps : float, optional
+            Frames a second; those that the dataset tells by default.
+
+        Raises
+        ------
+        ValueError
+            If the dataset is laid out otherwise, there is no such individual, or no rate is known.
+        """
+        from roundelay.motion.datasets import points_of_dataset
+
+        return points_of_dataset(dataset, individual=individual, fps=fps)
+
+    def to_dataset(self) -> Any:
+        """Return a dataset of xarray, laid out as those of `movement`.
+
+        Raises
+        ------
+        ImportError
+            If xarray is not installed.
+        """
+        from roundelay.motion.datasets import dataset_of_points
+
+        return dataset_of_points(self)
+
     def __len__(self) -> int:
         return len(self.positions)
 

@@ -18,6 +18,7 @@ from roundelay.cycles.models.regression import Harmonic
 from roundelay.formats import readers, suffixes_of, writers
 from roundelay.formats.bvh import BvhReader
 from roundelay.formats.bvh_writer import BvhWriter
+from roundelay.formats.registry import reader_of
 from roundelay.loops.profiles import Generic, profiles
 from roundelay.segmentation import Curve, Cuts, segmentation_methods
 from roundelay.testing import expecting
@@ -35,11 +36,15 @@ def samples(tmp_path_factory) -> dict[str, list[Path]]:
         made[reader.name] = [folder / f"walk{suffix}" for suffix in written]
         for path in made[reader.name]:
             rl.write(motion, path)
+        # Of two readers of one suffix the other may get what our writer writes.
+        made[reader.name] = [p for p in made[reader.name] if reader_of(p).name == reader.name]
     return made
 
 
 @pytest.mark.parametrize("name", readers.names())
 def test_our_readers(name, samples):
+    if not samples[name]:
+        pytest.skip("its own tests check it by files of others")
     testing.check_reader(readers[name], samples[name])
 
 

@@ -28,7 +28,7 @@ from roundelay.formats.points import ReadsPoints, WritesPoints
 from roundelay.formats.text import shown
 from roundelay.motion.points import Points
 
-__all__ = ["NpyReader", "NpzReader", "NpzWriter"]
+__all__ = ["NpyReader", "NpzReader", "NpzWriter", "arrays_of", "names_in"]
 
 # Of any array of a file, and letters of an array's heading.
 _MOST_BYTES, _LONGEST_HEADING = 1 << 31, 10_000
@@ -63,7 +63,7 @@ class NpzReader(ReadsPoints):
         OSError
             If it cannot be read.
         """
-        arrays = _arrays(path, content(path))
+        arrays = arrays_of(path, _KINDS)
         if "positions" not in arrays:
             raise FormatError("expected an array 'positions', found none", path=path)
         return _points(path, arrays)
@@ -76,11 +76,7 @@ class NpzReader(ReadsPoints):
         OSError
             If it cannot be read.
         """
-        try:
-            with zipfile.ZipFile(io.BytesIO(content(path))) as archive:
-                return "positions.npy" in archive.namelist()
-        except (zipfile.BadZipFile, FormatError, TooLarge):
-            return False
+        return "positions" in names_in(path)
 
 
 class NpyReader(ReadsPoints):
@@ -108,7 +104,7 @@ class NpyReader(ReadsPoints):
         OSError
             If it cannot be read.
         """
-        return _points(path, {"positions": _array(path, content(path), "positions")})
+        return _points(path, {"positions": _array(path, content(path), "positions", "fiu")})
 
     def claims(self, path: Path) -> bool:
         """Tell whether an array can be positions.
@@ -125,14 +121,45 @@ class NpyReader(ReadsPoints):
         return dtype.kind in "fiu" and len(shape) == 3 and shape[2] in (2, 3)
 
 
-def _arrays(path: Path, data: bytes) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an NPZ that mean something."""
+def names_in(path: Path) -> tuple[str, ...]:
+    """List the arrays of an NPZ; none where it is no such file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(content(path))) as archive:
+            return tuple(name.removesuffix(".npy") for name in archive.namelist())
+    except (zipfile.BadZipFile, FormatError, TooLarge):
+        return ()
+
+
+def arrays_of(path: Path, kinds: dict[str, str]) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an NPZ that mean something.
+
+    Parameters
+    ----------
+    path : Path
+    kinds : dict of str to str
+        The arrays by their names, and the kinds of numbers that each may have, as NumPy's letters.
+
+    Raises
+    ------
+    FormatError
+        If it is no whole NPZ, or an array is of another kind; objects are.
+    OSError
+        If it cannot be read.
+    """
+    data = content(path)
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = {info.filename.removesuffix(".npy"): info for info in archive.infolist()}
-            known = {name: info for name, info in members.items() if name in _KINDS}
+            known = {name: info for name, info in members.items() if name in kinds}
             return {
-                name: _array(path, _unpacked(archive, info), name) for name, info in known.items()
+                name: _array(path, _unpacked(archive, info), name, kinds[name])
+                for name, info in known.items()
             }
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
         raise FormatError(f"expected a whole NPZ, found: {error}", path=path) from None
@@ -149,13 +176,13 @@ def _unpacked(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
     return data
 
 
-def _array(path: Path, data: bytes, name: str) -> NDArray[Any]:
+def _array(path: Path, data: bytes, name: str, kinds: str) -> NDArray[Any]:
     """Return the array in the bytes of an NPY; no memory is taken for what is not there."""
     file = io.BytesIO(data)
     shape, by_column, dtype = _heading(path, file, name)
-    if dtype.kind not in _KINDS[name] or not dtype.itemsize:
-        kinds = {"U": "text", "b": "bool"}.get(_KINDS[name], "numbers")
-        found = f"expected {name!r} of {kinds}, found {dtype}"
+    if dtype.kind not in kinds or not dtype.itemsize:
+        what = {"U": "text", "b": "bool"}.get(kinds, "numbers")
+        found = f"expected {name!r} of {what}, found {dtype}"
         raise FormatError(found, path=path)
     size, left = dtype.itemsize * math.prod(shape), len(data) - file.tell()
     if size != left:

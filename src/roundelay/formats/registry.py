@@ -7,12 +7,12 @@ before those that plug-ins bring.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
 
 from roundelay.base.errors import FormatError
-from roundelay.base.files import unpacked
+from roundelay.base.files import STANDARD_INPUT, unpacked
 from roundelay.base.registry import Registry
 from roundelay.formats.acclaim_writer import AmcWriter
 from roundelay.formats.amc import AmcReader
@@ -27,10 +27,12 @@ from roundelay.formats.fbx_reader import FbxReader
 from roundelay.formats.fbx_writer import FbxWriter
 from roundelay.formats.gltf import GltfWriter
 from roundelay.formats.gltf_reader import GltfReader
+from roundelay.formats.mvnx import MvnxReader
 from roundelay.formats.opensim import OpenSimReader
 from roundelay.formats.options import ReadOptions
 from roundelay.formats.point_csv import CsvReader, CsvWriter
 from roundelay.formats.qualisys import QualisysReader
+from roundelay.formats.smpl import SmplReader
 from roundelay.formats.trc import TrcReader, TrcWriter
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
@@ -80,7 +82,8 @@ class Reader(Suffixed, Protocol):
 
     A reader whose files may hold more than a motion has a method ``besides_motion(path)``, too; see
     `besides_motion`. One whose suffixes other things have as well, such as ``.csv``, has a method
-    ``claims(path)``; see `is_capture`.
+    ``claims(path)``; see `is_capture`. One that shares its suffix with a later, more general reader
+    sets ``shares_suffix = True`` and gets the files that it claims.
     """
 
     def read(self, path: Path) -> Motion:
@@ -220,6 +223,8 @@ readers.add(TrcReader())
 readers.add(OpenSimReader())
 readers.add(CsvReader())
 readers.add(QualisysReader())
+readers.add(SmplReader())
+readers.add(MvnxReader())
 readers.add(NpzReader())
 readers.add(NpyReader())
 readers.add(AnimalsReader())
@@ -275,7 +280,7 @@ def reader_of(path: Path, suffix: str | None = None) -> Reader:
     """
     named = unpacked(path) if suffix is None else Path(f"{path.name}.{suffix}")
     try:
-        return _known(named, readers)
+        return _reader_for(named, path)
     except ValueError as error:
         hint = _WAYS.get(named.suffix.lower(), "") if named.suffix else _NAMELESS
         raise FormatError(f"{error}{hint}", path=path) from None
@@ -287,12 +292,11 @@ def is_capture(path: Path) -> bool:
     Where other things have that suffix, too, the reader is asked. What cannot be looked at counts
     as one, so that whoever reads it says why.
     """
-    suffix = unpacked(path).suffix.lower()
-    reader = next((one for one in readers if suffix in one.suffixes), None)
-    if reader is None:
-        return False
     try:
+        reader = _reader_for(unpacked(path), path)
         return bool(getattr(reader, "claims", lambda path: True)(path))
+    except ValueError:
+        return False
     except OSError:
         return True
 
@@ -336,11 +340,27 @@ def writer_of(path: Path) -> Writer:
     return _known(path, writers)
 
 
-def _known(path: Path, registry: Iterable[_Known]) -> _Known:
+def _reader_for(named: Path, path: Path) -> Reader:
+    """Return the reader of a name; one that shares its suffix must claim the file, too."""
+
+    def refuses(one: Reader) -> bool:
+        shares = getattr(one, "shares_suffix", False)
+        return shares and (path == STANDARD_INPUT or not one.claims(path))  # type: ignore[attr-defined]
+
+    return _known(named, readers, refuses)
+
+
+def _nothing(one: object) -> bool:
+    return False
+
+
+def _known(
+    path: Path, registry: Iterable[_Known], refuses: Callable[[_Known], bool] = _nothing
+) -> _Known:
     suffix = path.suffix.lower()
     # Plug-ins are not looked for where one of ours knows the suffix.
     for one in registry:
-        if suffix in one.suffixes:
+        if suffix in one.suffixes and not refuses(one):
             return one
     known = ", ".join(suffixes_of(registry))
     raise ValueError(f"expected a file of type {known}, found {path.name or str(path)!r}")

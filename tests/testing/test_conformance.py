@@ -26,12 +26,19 @@ from roundelay.testing import readers as of_readers
 from roundelay.timeline.proposals import Candidate, proposers
 
 
+# What takes a process a file, by a library that may not be there.
+APART = ("usd",)
+
+
 @pytest.fixture(scope="module")
 def samples(tmp_path_factory) -> dict[str, list[Path]]:
     """Small files that our writers made, by the name of their reader."""
     folder, made = tmp_path_factory.mktemp("samples"), {}
     motion = synth.gait("walk", repetitions=0.5, fps=30).motion
     for reader in readers:
+        if reader.name in APART:
+            made[reader.name] = []
+            continue
         written = [suffix for suffix in reader.suffixes if suffix in suffixes_of(writers)]
         made[reader.name] = [folder / f"walk{suffix}" for suffix in written]
         for path in made[reader.name]:
@@ -48,7 +55,7 @@ def test_our_readers(name, samples):
     testing.check_reader(readers[name], samples[name])
 
 
-@pytest.mark.parametrize("name", writers.names())
+@pytest.mark.parametrize("name", [name for name in writers.names() if name not in APART])
 def test_our_writers(name):
     reader = readers[name] if name in readers.names() else None
     testing.check_writer(writers[name], reader)

@@ -34,6 +34,7 @@ from roundelay.formats.point_csv import CsvReader, CsvWriter
 from roundelay.formats.qualisys import QualisysReader
 from roundelay.formats.smpl import SmplReader
 from roundelay.formats.trc import TrcReader, TrcWriter
+from roundelay.formats.usd import UsdReader, UsdWriter
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 from roundelay.motion.points import Points
@@ -223,6 +224,7 @@ readers.add(TrcReader())
 readers.add(OpenSimReader())
 readers.add(CsvReader())
 readers.add(QualisysReader())
+readers.add(UsdReader())
 readers.add(SmplReader())
 readers.add(MvnxReader())
 readers.add(NpzReader())
@@ -234,6 +236,7 @@ writers.add(BvhWriter())
 writers.add(AmcWriter())
 writers.add(GltfWriter())
 writers.add(FbxWriter())
+writers.add(UsdWriter())
 writers.add(C3dWriter())
 writers.add(TrcWriter())
 writers.add(CsvWriter())

@@ -284,7 +284,7 @@ def test_only_files_that_the_record_names_are_removed(captures, tmp_path):
         (["loop", "{c}/walk.bvh", "-o", "{c}/plain"], "{c}/plain: expected a folder, found a file"),
         (["loop", "{c}/walk.bvh", "-o", "{c}/plain/in"], "{c}/plain: expected a folder, found a f"),
         (["loop", "{c}/walk.bvh", "-o", "{c}/plain/x.bvh"], "{c}/plain: expected a folder, found"),
-        (["loop", "{c}/walk.bvh", "-o", "x.usd"], "found 'x.usd'; end the name of a folder with /"),
+        (["loop", "{c}/walk.bvh", "-o", "x.abc"], "found 'x.abc'; end the name of a folder with /"),
         (["loop", "{c}/walk.bvh", "-o", "{c}/walk.bvh"], "another file than the capture itself"),
         (["timeline", "{c}/walk.bvh", "-o", "x.bvh"], "a file of type .json, .csv, found 'x.bvh'"),
         (
@@ -303,7 +303,7 @@ def test_only_files_that_the_record_names_are_removed(captures, tmp_path):
         (["view", "{c}/walk.bvh", "--frames", "3:9"], "at least 8 frames, found 6"),
         (["excitations", "{c}/walk.bvh", "--frames", "3:9"], "at least 8 frames, found 6"),
         (["loop", "{c}/notes.txt"], "file of type"),
-        (["loop", "-", "--as", "usd"], "file of type"),
+        (["loop", "-", "--as", "abc"], "file of type"),
     ],
 )
 def test_bad_input_is_one_line(captures, tmp_path, monkeypatch, arguments, message):

@@ -25,7 +25,6 @@ from roundelay.testing import expecting
 from roundelay.testing import readers as of_readers
 from roundelay.timeline.proposals import Candidate, proposers
 
-
 # What takes a process a file, by a library that may not be there.
 APART = ("usd",)
 

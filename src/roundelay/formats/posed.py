@@ -32,7 +32,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 # Poses of a joint for a byte of the file, and poses that any file may have.
-_PROPORTION, _FEW = 2, 1 << 20
+_PROPORTION, _FEW = 2, 1 << 19
 # Scales that differ by less, relatively, are one.
 _EVEN = 1e-3
 

@@ -108,7 +108,8 @@ def _read_apart(path: Path, character: str) -> dict[str, NDArray[Any]]:
             raise FormatError(told, path=path) from None
         if done.returncode or not made.exists():
             lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
-            told = lines[-1].replace(str(given), "the file")
+            # The library says where in itself it failed, and then why.
+            told = lines[-1].replace(str(given), "the file").rpartition(" : ")[2]
             raise FormatError(f"expected a USD with an animated skeleton, found: {told}", path=path)
         return arrays_of(made, _KINDS)
 

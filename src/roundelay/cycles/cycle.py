@@ -20,6 +20,7 @@ from roundelay.timeline.evidence import Evidence
 __all__ = ["Cycle"]
 
 Array = NDArray[np.float64]
+Change = tuple[Array, Array, Array | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,24 +239,50 @@ class Cycle:
         return direction - float(np.angle(self._as_complex(self.velocity.constant)))
 
     @one_thread
-    def at(self, phase: ArrayLike, *, frame_time: float, in_place: bool = False) -> Motion:
-        """Return the poses at unwrapped phases (n,) as a motion; see `sample`."""
-        x = np.asarray(phase, float)
-        return self._given_back(self._body(x, frame_time, in_place), x, in_place)
+    def at(
+        self,
+        phase: ArrayLike,
+        *,
+        frame_time: float,
+        in_place: bool = False,
+        change: Change | None = None,
+    ) -> Motion:
+        """Return the poses at unwrapped phases (n,) as a motion; see `sample`.
 
-    def _body(self, x: Array, frame_time: float, in_place: bool) -> Motion:
+        Parameters
+        ----------
+        phase : (n,) array_like
+        frame_time : float
+            Seconds from one to the next.
+        in_place : bool
+            Leave out the root's travel and turning.
+        change : tuple, optional
+            What is added: rotation vectors (n, J, 3) of the joints, the root's way (n, 3), and,
+            where bones change length, places (n, J, 3) of joints on their parents.
+        """
+        x = np.asarray(phase, float)
+        return self._given_back(self._body(x, frame_time, in_place, change), x, in_place)
+
+    def _body(
+        self, x: Array, frame_time: float, in_place: bool, change: Change | None = None
+    ) -> Motion:
         """Return the poses at phases with the body's motion in the root."""
-        rotations = self.rotations(x)
+        rotations, path = self.rotations(x), self.root_path(x, in_place=in_place)
         moved = None
         if self.translations is not None:
             moved = self.translations(x).reshape(len(x), self.skeleton.n_joints, 3)
+        if change is not None:
+            turns, way, places = change
+            rotations = rot.multiply(rotations, rot.from_rotation_vector(turns))
+            path = path + way
+            moved = moved if moved is None or places is None else moved + places
         if not in_place:
             turn = self._about_up(self.heading(x))
             rotations[:, 0] = rot.multiply(turn, rotations[:, 0])
         return Motion(
             skeleton=self.skeleton,
             rotations=rotations,
-            root_path=self.root_path(x, in_place=in_place),
+            root_path=path,
             frame_time=frame_time,
             translations=moved,
             name=self.name,

@@ -17,6 +17,7 @@ __all__ = [
     "REPAIR",
     "SWINGS",
     "TAKE",
+    "VARIATION",
     "WEIGHTED",
 ]
 
@@ -209,3 +210,21 @@ class _Repair(Thresholds):
 
 
 REPAIR = _Repair()
+
+
+@dataclass(frozen=True)
+class _Variation(Thresholds):
+    """Repetitions, and new ones drawn."""
+
+    phases: int = constant(
+        48, unit="phases a period", origin="at which repetitions are compared; " + BY_EYE
+    )
+    margin: int = constant(
+        6,
+        unit="phases",
+        origin="to either side of a join over which one repetition fades into the next; " + BY_EYE,
+    )
+    steps: int = constant(64, unit="steps a period", origin="in which pace is summed; for speed")
+
+
+VARIATION = _Variation()

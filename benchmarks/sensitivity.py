@@ -11,7 +11,7 @@ or none), in the number of cycles or segments, in the period (by more than 1 %),
 and runs of [C], half from those in FOLDER/truth; constants of segmentation are tried on the
 captures with labels, those of comparing cycles on the cycles of all captures, as a library, those
 of bodies and loops on the loops of every second capture, those of points on the captures as markers
-with gaps, outliers and noise, those of faults on all loops, clean and
+with gaps, outliers and noise, those of variation on repetitions drawn, those of faults on all loops, clean and
 with the faults of `benchmarks.check` at their least.
 `--only` takes names and beginnings of names, `--keep` puts each result, as soon as it is there,
 into benchmarks/results/sensitivity.json.
@@ -51,6 +51,7 @@ from roundelay.geometry.kinematics import vertical_axis
 from roundelay.library.groups import grouped
 from roundelay.library.store import Shelf
 from roundelay.loops.by_hand import CloseOptions, close_by_hand
+from roundelay.loops.join import join_ratio
 from roundelay.loops.lint import lint, taken_apart
 from roundelay.loops.profiles import foot_contacts
 from roundelay.loops.units import Lengths
@@ -250,6 +251,7 @@ def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
         "phase.mixture": _centroids,
         "cycles.weighted": _weighted,
         "cycles.alignment": _aligned,
+        "cycles.variation": _drawn_anew,
         "motion.frame": _pointed,
         "motion.gaps": _pointed,
         "topology.significance": _classes,
@@ -322,6 +324,24 @@ def _closed() -> Iterator[Outcome]:
 def _closed_half(motion: rl.Motion, options: CloseOptions) -> Outcome:
     closed = close_by_hand(motion, (len(motion) // 4, 3 * len(motion) // 4), options)
     return Outcome(1, closed.loop.duration, (*map(float, closed.frames), closed.apart))
+
+
+def _drawn_anew() -> Iterator[Outcome]:
+    """Four repetitions drawn of each capture that shows several."""
+    return (_guarded(lambda m=motion: _drawn_of(m)) for motion in _MOTIONS)
+
+
+def _drawn_of(motion: rl.Motion) -> Outcome:
+    found = rl.repetitions(rl.find_cycles(motion)[0], motion)
+    drawn = found.vary(4, rng=0)
+    spread = float(rl.point_cloud(drawn).std(axis=0).mean())
+    return Outcome(len(found), drawn.duration, (spread, _join_of(drawn)), slack=0.01)
+
+
+def _join_of(motion: rl.Motion) -> float:
+    """Return how hard the joints are accelerated at the join, over the most elsewhere."""
+    points = rl.point_cloud(motion).reshape(len(motion), -1, 3)
+    return join_ratio(points, len(points))
 
 
 def _pointed() -> Iterator[Outcome]:

@@ -22,6 +22,7 @@ from roundelay.commands.loop import loop
 from roundelay.commands.search import search
 from roundelay.commands.segment import segment
 from roundelay.commands.timeline import timeline
+from roundelay.commands.vary import vary
 from roundelay.commands.view import view
 
 __all__ = ["app"]
@@ -79,6 +80,7 @@ for command in (
     view,
     blend,
     transition,
+    vary,
     library,
     search,
     check,

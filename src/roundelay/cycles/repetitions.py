@@ -139,6 +139,8 @@ class Repetitions:
         amount: float = 1.0,
         fps: float | None = None,
         in_place: bool = False,
+        repeat_first: bool = False,
+        foot_lock: bool = True,
     ) -> Motion:
         """Draw new repetitions that loop: after the last the first comes again.
 
@@ -153,6 +155,10 @@ class Repetitions:
             Frames a second; the capture's by default.
         in_place : bool
             Leave out the root's travel and turning.
+        repeat_first : bool
+            Append the frame that repeats the first.
+        foot_lock : bool
+            Hold standing feet still.
 
         Raises
         ------
@@ -167,8 +173,9 @@ class Repetitions:
         rate = checked_rate(self.cycle.fps if fps is None else fps)
         count = max(1, round(float(drawn.durations.sum()) * rate))
         # The row before and after decide about feet that stand across the join.
-        around = drawn.shown(np.arange(-count, 2 * count) / count, rate, in_place)
-        return around[count : 2 * count]
+        time = np.arange(-count, 2 * count) / count
+        around = drawn.shown(time, rate, in_place, foot_lock=foot_lock)
+        return around[count : 2 * count + int(repeat_first)]
 
     @one_thread
     def play(
@@ -212,7 +219,7 @@ class _Drawn:
     shares: Array
     durations: Array
 
-    def shown(self, time: Array, fps: float, in_place: bool) -> Motion:
+    def shown(self, time: Array, fps: float, in_place: bool, *, foot_lock: bool = True) -> Motion:
         """Return the poses at times (n,), in parts of the whole row, at a frame rate."""
         phase, source = self._phase(time), self.source
         cycle = source.cycle
@@ -232,6 +239,8 @@ class _Drawn:
         motion = cycle.at(
             phase, frame_time=1.0 / fps, in_place=in_place, change=(turns, along, moved)
         )
+        if not foot_lock:
+            return motion
         return _with_feet_held(motion, round(float(self.durations.min()) * fps))
 
     def _phase(self, time: Array) -> Array:

@@ -8,7 +8,7 @@ from typing import ClassVar
 from roundelay.base.options import Checked, option
 from roundelay.cycles.edit.align import Criterion
 
-__all__ = ["AlignOptions", "BlendOptions", "TransitionOptions"]
+__all__ = ["AlignOptions", "BlendOptions", "TransitionOptions", "VaryOptions"]
 
 
 @dataclass(frozen=True)
@@ -71,4 +71,29 @@ class TransitionOptions(AlignOptions):
     )
     after: float = option(
         1.0, "How long the second cycle is shown after it.", unit="seconds", least=0, most=3600
+    )
+
+
+@dataclass(frozen=True)
+class VaryOptions(Checked):
+    """Choices of repetitions that are drawn anew.
+
+    Parameters
+    ----------
+    periods : int
+        How many different ones follow each other before the first comes again.
+    seed : int
+        Another seed draws others.
+    amount : float
+        1 varies as much as the capture, 0 not at all.
+    """
+
+    title: ClassVar[str] = "How repetitions vary"
+
+    periods: int = option(
+        4, "How many follow each other before the first comes again.", least=1, most=1000
+    )
+    seed: int = option(0, "Another seed draws others.", least=0)
+    amount: float = option(
+        1.0, "How much they vary: 1 as in the capture, 0 not at all.", least=0, most=10
     )

@@ -11,8 +11,8 @@ or none), in the number of cycles or segments, in the period (by more than 1 %),
 and runs of [C], half from those in FOLDER/truth; constants of segmentation are tried on the
 captures with labels, those of comparing cycles on the cycles of all captures, as a library, those
 of bodies and loops on the loops of every second capture, those of points on the captures as markers
-with gaps, outliers and noise, those of variation on repetitions drawn, those of faults on all loops, clean and
-with the faults of `benchmarks.check` at their least.
+with gaps, outliers and noise, those of variation on repetitions drawn, those of faults on all
+loops, clean and with the faults of `benchmarks.check` at their least.
 `--only` takes names and beginnings of names, `--keep` puts each result, as soon as it is there,
 into benchmarks/results/sensitivity.json.
 """

@@ -2,23 +2,36 @@
 
 PYTHON ?= python3
 VENV := .venv
-BIN := $(VENV)/bin
+# Where an environment has its programs.
+PROGRAMS := $(if $(filter Windows_NT,$(OS)),Scripts,bin)
+BIN := $(VENV)/$(PROGRAMS)
+PIP := -m pip install --quiet --disable-pip-version-check
 # The wheels of Blender for blender-test, 350 MB each, want one Python; 4.2.23 is there, too.
 BLENDER_PYTHON ?= python3.11
 BLENDERS ?= 5.0.1 4.5.15
 CAPTURES := 01_01 01_03 Boxing_Toes
 
-.PHONY: demo test page-test players-test docs figures check setup clean blender-extension blender-test
+.PHONY: demo demo-begins test page-test players-test docs figures check setup clean blender-extension blender-test
 .PHONY: fuzz lowest-test mutation-test sanitize
+.PHONY: wheels wheels-test wheel-test sdist sdist-test pipx-test container release release-check
 
-demo: $(VENV)/.installed
+demo: demo-begins $(VENV)/.installed
 	@mkdir -p out
 	@for name in $(CAPTURES); do \
 		$(BIN)/roundelay loop data/captures/$$name.bvh -o out; status=$$?; \
 		if [ $$status -ne 0 ] && [ $$status -ne 3 ]; then exit $$status; fi; \
 	done
 	@$(BIN)/roundelay view data/captures/01_01.bvh -o out/01_01.html
-	@echo "Loops, pictures and figures are in out/; open out/01_01.html in a browser."
+	@echo
+	@echo "Open out/01_01.html in a browser: the capture, what repeats in it, and the loop beside it."
+	@echo "out/01_01_loop.bvh is the loop, for Blender or an engine; out/01_01_loop.png is its picture."
+	@echo "On a capture of yours: $(BIN)/roundelay loop walk.bvh -o out"
+
+demo-begins:
+	@echo "Three captures from data/captures become loops in out/, with nothing set by hand:"
+	@echo "forward jumps (01_01), climbing and swinging (01_03), sparring (Boxing_Toes)."
+	@echo "What repeats is found, timed and closed; what does not is left out, and why is told."
+	@echo
 
 test: $(VENV)/.tested
 	$(BIN)/python -m pytest -n 2
@@ -88,8 +101,62 @@ check: $(VENV)/.tested
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# What is given out: wheels for six systems, cross-compiled by zig, and the sources; all into dist/.
+wheels: $(VENV)/.released
+	$(BIN)/python -m release.wheels --output dist
+	$(BIN)/python -m twine check --strict dist/*.whl
+
+# The recorded cases on the binaries that run here: natively, under qemu-user and wine64.
+wheels-test: $(VENV)/.released
+	$(BIN)/python -m release.replay --wheels dist
+	$(BIN)/python -m pytest tests/releasing
+
+# The wheel for this system, as pip chooses it, with the newest dependencies, under the tests.
+WHEEL_TESTS ?= tests
+wheel-test:
+	rm -rf build/wheel-test
+	$(PYTHON) -m venv build/wheel-test
+	build/wheel-test/$(PROGRAMS)/python $(PIP) --no-index --no-deps --find-links dist roundelay
+	build/wheel-test/$(PROGRAMS)/python $(PIP) 'roundelay[test]'
+	build/wheel-test/$(PROGRAMS)/python -m release.installed build/wheel-test
+	build/wheel-test/$(PROGRAMS)/python -m pytest -n 2 $(WHEEL_TESTS)
+
+sdist: $(VENV)/.released
+	$(BIN)/python -m build --sdist --outdir dist .
+	$(BIN)/python -m twine check --strict dist/*.tar.gz
+
+# The sources as they are given out, unpacked and compiled, under their own tests.
+sdist-test: sdist
+	rm -rf build/sdist build/sdist-test
+	mkdir -p build/sdist
+	tar -xzf dist/roundelay-*.tar.gz -C build/sdist --strip-components=1
+	$(PYTHON) -m venv build/sdist-test
+	cd build/sdist && ../sdist-test/$(PROGRAMS)/python $(PIP) '.[test]'
+	cd build/sdist && ../sdist-test/$(PROGRAMS)/python -m release.installed ../sdist-test
+	cd build/sdist && ../sdist-test/$(PROGRAMS)/python -m pytest -n 2 $(WHEEL_TESTS)
+
+# The program from the wheel alone, without an installation.
+pipx-test: $(VENV)/.released
+	@mkdir -p out
+	$(BIN)/python -m pipx run --no-cache --spec \
+		$$($(BIN)/python -m release.targets dist) roundelay loop data/captures/01_03.bvh -o out/pipx
+
+# podman and docker both build it: make container CONTAINER=docker
+CONTAINER ?= podman
+container:
+	$(CONTAINER) build --tag roundelay --file Containerfile .
+
+# Version and date in all places, changes/ gathered into CHANGELOG.md; then look, commit and tag.
+release: $(VENV)/.released
+	$(BIN)/python -m release.versions set $(VERSION)
+	$(BIN)/python -m towncrier build --yes --version $(VERSION)
+
+release-check: $(VENV)/.released
+	$(BIN)/python -m release.versions check $(TAG)
+
 blender-extension: $(VENV)/.installed build/bpy-$(firstword $(BLENDERS))/.ready
-	$(BIN)/python blender/build.py --bpy build/bpy-$(firstword $(BLENDERS))
+	$(BIN)/python blender/build.py --bpy build/bpy-$(firstword $(BLENDERS)) \
+		$(if $(wildcard build/kernels),--kernels build/kernels)
 
 blender-test: blender-extension $(BLENDERS:%=build/bpy-%/.ready)
 	@for version in $(BLENDERS); do \
@@ -105,23 +172,29 @@ build/bpy-%/.ready:
 setup: $(VENV)/.installed
 
 $(VENV)/bin/python:
-	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "roundelay needs Python 3.11 or newer")'
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "roundelay needs Python 3.11 or newer")'
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.installed: pyproject.toml cmake/CMakeLists.txt $(wildcard src/roundelay/topology/kernel/*.[ch]) | $(VENV)/bin/python
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable .
+	@echo "Setting up $(VENV), once: NumPy, Matplotlib and a few more come, about 80 MB on disk are"
+	@echo "fetched and the kernel is compiled; a minute or two ..."
+	@$(BIN)/python $(PIP) --editable .
 	@touch $@
 
 $(VENV)/.tested: $(VENV)/.installed
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[test,lint]'
+	$(BIN)/python $(PIP) --editable '.[test,lint]'
 	@touch $@
 
 $(VENV)/.browser: $(VENV)/.tested
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[browser]'
+	$(BIN)/python $(PIP) --editable '.[browser]'
+	@touch $@
+
+$(VENV)/.released: $(VENV)/.tested
+	$(BIN)/python $(PIP) --editable '.[release]'
 	@touch $@
 
 $(VENV)/.documented: $(VENV)/.installed
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	$(BIN)/python $(PIP) --editable '.[docs]'
 	@touch $@
 
 clean:

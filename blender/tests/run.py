@@ -1,7 +1,7 @@
 """Run the extension's tests inside a bpy wheel; Blender may crash on exit, so the word counts.
 
 Usage: python blender/tests/run.py ENVIRONMENT FOLDER [pytest arguments], the folder being the
-one with the zips; that for this platform is taken, or that for any.
+one with the zip.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ TIME_LIMIT = 900
 def main() -> None:
     """Run in a process of its own, with a configuration of its own."""
     environment, folder, *others = sys.argv[1:]
-    archives = sorted(Path(folder).glob("roundelay-blender-*.zip"), reverse=True)
-    if not archives:
-        sys.exit(f"expected a zip in {folder}, found none: make blender-extension")
+    archive = Path(folder) / "roundelay-blender.zip"
+    if not archive.exists():
+        sys.exit(f"expected {archive}, found none: make blender-extension")
     python = Path(environment) / "bin" / "python"
     with tempfile.TemporaryDirectory() as resources:
         variables = {
             **os.environ,
             "BLENDER_USER_RESOURCES": resources,
-            "ROUNDELAY_ZIP": str(archives[0].resolve()),
+            "ROUNDELAY_ZIP": str(archive.resolve()),
         }
         command = [python, "-c", INSIDE, "--rootdir", HERE, HERE, *others]
         done = subprocess.run(

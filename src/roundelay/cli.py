@@ -64,7 +64,6 @@ def _refuse(error: Any) -> NoReturn:
 app = typer.Typer(
     cls=_Commands,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",  # paragraphs are filled to the width of the terminal
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -130,8 +130,8 @@ def _parameter(one: Declared, group: Taken) -> Parameter:
     if switch:
         option = typer.Option(f"--{one.flag}/--no-{one.flag}", **shown)
     else:
-        reader = _reader(one)
-        option = typer.Option(f"--{one.flag}", parser=reader, metavar=_form(one), **shown)
+        shown |= {"parser": _reader(one), "metavar": _form(one), "autocompletion": _offered(one)}
+        option = typer.Option(f"--{one.flag}", **shown)
     annotation = Annotated[kind, option]  # type: ignore[valid-type]
     return Parameter(_key(one), Parameter.KEYWORD_ONLY, default=one.default, annotation=annotation)
 
@@ -150,6 +150,17 @@ def _form(one: Declared) -> str:
     if get_origin(kinds[0]) is Literal:
         return "|".join(get_args(kinds[0]))
     return "NAME" if str in kinds else "NUMBER"
+
+
+def _offered(one: Declared) -> Callable[[str], list[str]]:
+    """Return what tells a shell which names of an option begin with what is typed."""
+    names = [name for kind in choices(one.kind) if get_origin(kind) is Literal
+             for name in get_args(kind)]  # fmt: skip
+
+    def offer(incomplete: str) -> list[str]:
+        return [name for name in names if name.startswith(incomplete)]
+
+    return offer
 
 
 def _reader(one: Declared) -> Callable[[Any], Any]:

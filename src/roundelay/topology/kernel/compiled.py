@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import platform
+import sys
+import sysconfig
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +27,7 @@ __all__ = ["Compiled"]
 _INT, _DOUBLE, _FLOAT, _POINTER = ctypes.c_int64, ctypes.c_double, ctypes.c_float, ctypes.c_void_p
 
 _FOLDER = Path(__file__).parent
+_SUFFIXES = {".so", ".dll", ".dylib"}
 _INTERFACE = 2
 """The number of the interface, as kernel.h has it."""
 _SIGNATURES = {
@@ -46,20 +50,32 @@ _SIGNATURES = {
 
 
 def _load() -> ctypes.CDLL:
-    found = sorted(
-        path for path in _FOLDER.glob("_kernel*") if path.suffix in {".so", ".dll", ".dylib"}
-    )
-    if not found:
-        raise FileNotFoundError(f"no binary in {_FOLDER}")
-    library = ctypes.CDLL(str(found[0]))
+    found = _binary()
+    library = ctypes.CDLL(str(found))
     number = _interface(library)
     if number != _INTERFACE:
-        told = f"a kernel with interface {_INTERFACE}, found {number} in {found[0]}"
+        told = f"a kernel with interface {_INTERFACE}, found {number} in {found}"
         raise OSError(f"expected {told}; install roundelay again")
     for name, (result, arguments) in _SIGNATURES.items():
         function = getattr(library, f"roundelay_{name}")
         function.restype, function.argtypes = result, arguments
     return library
+
+
+def _binary() -> Path:
+    """Return the one binary of this build, or of many, as Blender has them, that which fits."""
+    for name in ("_kernel", f"_kernel-{_system()}"):
+        found = sorted(path for path in _FOLDER.glob(f"{name}.*") if path.suffix in _SUFFIXES)
+        if found:
+            return found[0]
+    raise FileNotFoundError(f"no binary for {_system()} in {_FOLDER}")
+
+
+def _system() -> str:
+    """Name the system that Python was built for, such as linux-x86_64 or macosx-arm64."""
+    if sys.platform == "darwin":
+        return f"macosx-{platform.machine()}"
+    return sysconfig.get_platform()
 
 
 def _interface(library: ctypes.CDLL) -> int:

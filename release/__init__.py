@@ -1,0 +1,1 @@
+"""How roundelay is given out: binaries for six systems, what is checked of them, versions."""

@@ -176,8 +176,8 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.installed: pyproject.toml cmake/CMakeLists.txt $(wildcard src/roundelay/topology/kernel/*.[ch]) | $(VENV)/bin/python
-	@echo "Setting up $(VENV), once: NumPy, Matplotlib and a few more come, about 80 MB on disk are"
-	@echo "fetched and the kernel is compiled; a minute or two ..."
+	@echo "Setting up $(VENV), once: NumPy, Matplotlib and a few more are fetched, some 50 MB, and"
+	@echo "a small kernel in C is compiled; a minute or two ..."
 	@$(BIN)/python $(PIP) --editable .
 	@touch $@
 

@@ -3,6 +3,7 @@
 import math
 import re
 import time
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -12,6 +13,7 @@ import roundelay
 from conftest import CAPTURES, drifting, import_capture
 from inside import curves_of, extract, keys_of, pose_at
 from rigs import choose
+from roundelay.topology.kernel import compiled, engine
 
 
 def span(action):
@@ -371,3 +373,8 @@ def test_classes_by_hand_heed_the_method(jumps, method):
     assert bpy.ops.roundelay.inspect() == {"FINISHED"}
     settings.classes[0].chosen = True
     assert np.allclose(loop_by(method)[1], automatic, atol=1e-5)
+
+
+def test_the_zip_brings_the_kernel_of_this_system():
+    assert type(engine()).__name__ == "Compiled"
+    assert Path(bpy.utils.user_resource("EXTENSIONS")) in compiled._binary().parents

@@ -31,7 +31,7 @@ from benchmarks._harness import Target, parser, report
 # What is said of sound files, too.
 _USUAL = ("missing parameter", "No analog data", "tells no frame rate")
 _GOOD = ("refused", "told")
-FORMATS = (".c3d", ".trc", ".csv", ".npz")
+FORMATS = (".c3d", ".trc", ".sto", ".tsv", ".csv", ".npz")
 RUNS = 5
 SECONDS = 20.0
 TARGETS = (
@@ -97,7 +97,7 @@ def _speeds(folder: Path, data: Path) -> dict[str, dict[str, float]]:
     result = {}
     for suffix in FORMATS:
         path = folder / f"speed{suffix}"
-        readers = {"roundelay": rl.read_points, **_PEERS[suffix]}
+        readers = {"roundelay": rl.read_points, **_PEERS.get(suffix, {})}
         rl.write(points, path)
         result[suffix] = {name: _rate(read, path, len(points)) for name, read in readers.items()}
         write = functools.partial(rl.write, points)
@@ -192,8 +192,10 @@ def _round_trips(paths: list[Path], folder: Path) -> dict[str, dict[str, float]]
             points = rl.read_points(path)
             rl.write(points, folder / f"again{suffix}")
             again = rl.read_points(folder / f"again{suffix}")
-            errors.append(_apart(points.positions, again.positions))
-            same = points.names == again.names and points.units == again.units
+            # A TSV is in millimetres.
+            scale = 1000.0 if (points.units, again.units) == ("m", "mm") else 1.0
+            errors.append(_apart(scale * points.positions, again.positions))
+            same = points.names == again.names
             kept.append(same and np.array_equal(points.missing, again.missing))
         result[suffix] = {"files": len(paths), "worst": max(errors), "kept": sum(kept)}
     return result

@@ -144,7 +144,7 @@ def test_a_plain_csv(read):
     assert (found.fps, found.units, found.image, found.dimensions) == (25.0, "px", True, 2)
 
 
-@pytest.mark.parametrize("suffix", [".c3d", ".trc", ".csv", ".npz"])
+@pytest.mark.parametrize("suffix", [".c3d", ".trc", ".sto", ".mot", ".tsv", ".csv", ".npz"])
 @pytest.mark.parametrize("dimensions", [2, 3])
 def test_comes_back_as_it_was_written(tmp_path, suffix, dimensions):
     positions = 1.23456789 * places(40, 5)[..., :dimensions]

@@ -1,4 +1,4 @@
-"""Read STO and MOT, the tables of OpenSim, where they hold places of points.
+"""Read and write STO and MOT, the tables of OpenSim, where they hold places of points.
 
 Of the many things that such a table can hold these are points: three columns a point, NAME_tx,
 NAME_ty, NAME_tz or NAME_x, NAME_y, NAME_z; and one column of three numbers a point (Vec3). What
@@ -8,20 +8,20 @@ else they hold is named and refused.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from roundelay.base.errors import FormatError
-from roundelay.formats import text
-from roundelay.formats.point_files import Notes, checked_size, made, plain, rate_assumed
-from roundelay.formats.points import ReadsPoints
-from roundelay.formats.tables import line_end, rate_of, read_table
+from roundelay.formats import decimals, text
+from roundelay.formats.point_files import Notes, checked_size, in_space, made, plain, rate_assumed
+from roundelay.formats.points import ReadsPoints, WritesPoints
+from roundelay.formats.tables import fields, line_end, rate_of, read_table
 from roundelay.formats.text import Source
 from roundelay.motion.points import Points
 
-__all__ = ["OpenSimReader", "triples"]
+__all__ = ["OpenSimReader", "OpenSimWriter", "triples"]
 
 _AXIS = re.compile(r"(.+?)[_.](t?)([xyz])", re.IGNORECASE)
 # Orientations of bodies stand beside their places.
@@ -59,9 +59,7 @@ class OpenSimReader(ReadsPoints):
         """
         source = text.load(path)
         told, at = _heading(source)
-        titles = [token.text for token in next(text.lines(source, at), [])]
-        if not titles or titles[0].lower() != "time":
-            raise source.error("expected the names of columns, time first", at)
+        titles, at = _titles(source, at)
         vectors = told.get("datatype", "").lower() == "vec3"
         notes = Notes(path)
         columns, width, source = _columns(source, at, titles, vectors, notes)
@@ -72,8 +70,25 @@ class OpenSimReader(ReadsPoints):
             raise source.error(found, source.end)
         checked_size(path, len(table.values), len(columns))
         places = np.stack([table.values[:, three] for three in columns.values()], axis=1)
-        rate = rate_of(table.values[:, 0]) or rate_assumed(path)
+        rate = _told_rate(told) or rate_of(table.values[:, 0]) or rate_assumed(path)
         return made(path, list(columns), places, rate, units=told.get("units", "m"), notes=notes)
+
+
+def _titles(source: Source, at: int) -> tuple[list[str], int]:
+    """Return the names of columns, and the byte where their line begins."""
+    first = next(text.lines(source, at), [])
+    at = first[0].at if first else at
+    # Names with blanks are told apart where tabs part them.
+    parted = b"\t" in source.data[at : line_end(source, at)]
+    titles = fields(source, at, "\t") if parted else [token.text for token in first]
+    if not titles or titles[0].lower() != "time":
+        raise source.error("expected the names of columns, time first", at)
+    return titles, at
+
+
+def _told_rate(told: dict[str, str]) -> float:
+    word = told.get("datarate", "").encode()
+    return max(0.0, float(word)) if decimals.is_number(word) else 0.0
 
 
 def _heading(source: Source) -> tuple[dict[str, str], int]:
@@ -131,3 +146,38 @@ def _unsuited(source: Source, at: int, titles: Sequence[str]) -> FormatError:
     named = f" ({', '.join(map(plain, titles[:_NAMED]))}{more})" if titles else ""
     advice = "export markers, or positions of bodies"
     return source.error(f"expected points, found {what}{named}; {advice}", at)
+
+
+class OpenSimWriter(WritesPoints):
+    """The writer of STO and MOT files."""
+
+    name = "opensim"
+    suffixes = (".sto", ".mot")
+
+    def write_points(self, points: Points, path: Path) -> None:
+        """Write an STO or MOT file: three columns a point, ``nan`` where it is missing.
+
+        Parameters
+        ----------
+        points : Points
+            A third coordinate of 0 is added to points of a plane.
+        path : Path
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        text.save(path, _pieces(points))
+
+
+def _pieces(points: Points) -> Iterator[str]:
+    frames, columns = len(points), 3 * len(points.names) + 1
+    yield f"{plain(points.name) or 'points'}\nversion=1\nnRows={frames}\nnColumns={columns}\n"
+    yield f"DataRate={points.fps:.10g}\ninDegrees=no\n"
+    yield f"units={points.units}\n" if points.units else ""
+    titles = (f"{plain(name)}_t{axis}" for name in points.names for axis in "xyz")
+    yield "endheader\n" + "\t".join(["time", *titles]) + "\n"
+    places = in_space(points, 0.0).reshape(frames, -1)
+    table = np.column_stack([np.arange(frames) / points.fps, places])
+    yield from text.rows(table, "\t".join(["%s"] * columns) + "\n")

@@ -1,7 +1,8 @@
-"""Read TSV, the text export of Qualisys Track Manager: a heading, then three columns a marker."""
+"""Read and write TSV, the text of Qualisys Track Manager: three columns a marker."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from roundelay.base.errors import FormatError
@@ -10,17 +11,21 @@ from roundelay.formats import decimals, text
 from roundelay.formats.point_files import (
     Notes,
     checked_size,
+    in_space,
     made,
+    plain,
     rate_assumed,
     seen_beside_origin,
 )
-from roundelay.formats.points import ReadsPoints
+from roundelay.formats.points import ReadsPoints, WritesPoints
 from roundelay.formats.tables import fields, line_end, rate_of, read_table
 from roundelay.formats.text import Source
-from roundelay.motion.points import Points
+from roundelay.motion.points import METRES, Points
 
-__all__ = ["QualisysReader"]
+__all__ = ["QualisysReader", "QualisysWriter"]
 
+# The last decimal that is written.
+_LEAST = 1e-8
 # Lines of a heading; events stand in it, too.
 _LONGEST = 10_000
 
@@ -123,3 +128,47 @@ def _before(source: Source, at: int, markers: int) -> tuple[int, int]:
     # Frame and time; older programs write neither.
     count = len(row) - (not row[-1] if row else 0)
     return (2 if count > 3 * markers else 0), at
+
+
+class QualisysWriter(WritesPoints):
+    """The writer of Qualisys' TSV files."""
+
+    name = "qualisys"
+    suffixes = (".tsv",)
+
+    def write_points(self, points: Points, path: Path) -> None:
+        """Write a TSV file, in millimetres where the unit of the points is known.
+
+        Parameters
+        ----------
+        points : Points
+            A third coordinate of 0 is added to points of a plane.
+        path : Path
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        text.save(path, _pieces(points))
+
+
+def _pieces(points: Points) -> Iterator[str]:
+    frames, scale = len(points), METRES.get(points.units, METRES["mm"]) / METRES["mm"]
+    told = {
+        "NO_OF_FRAMES": frames,
+        "NO_OF_CAMERAS": 0,
+        "NO_OF_MARKERS": len(points.names),
+        "FREQUENCY": f"{points.fps:.10g}",
+        "NO_OF_ANALOG": 0,
+        "ANALOG_FREQUENCY": 0,
+        "DESCRIPTION": "--",
+        "TIME_STAMP": "--",
+        "DATA_INCLUDED": "3D",
+    }
+    yield "".join(f"{key}\t{value}\n" for key, value in told.items())
+    yield "\t".join(["MARKER_NAMES", *(plain(name).replace('"', "'") for name in points.names)])
+    places = in_space(points, _LEAST / scale).reshape(frames, -1) * scale
+    yield "\n"
+    for piece in text.rows(places, "\t".join(["%s"] * places.shape[1]) + "\n"):
+        yield piece.replace("nan", "")

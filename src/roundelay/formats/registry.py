@@ -28,10 +28,10 @@ from roundelay.formats.fbx_writer import FbxWriter
 from roundelay.formats.gltf import GltfWriter
 from roundelay.formats.gltf_reader import GltfReader
 from roundelay.formats.mvnx import MvnxReader
-from roundelay.formats.opensim import OpenSimReader
+from roundelay.formats.opensim import OpenSimReader, OpenSimWriter
 from roundelay.formats.options import ReadOptions
 from roundelay.formats.point_csv import CsvReader, CsvWriter
-from roundelay.formats.qualisys import QualisysReader
+from roundelay.formats.qualisys import QualisysReader, QualisysWriter
 from roundelay.formats.smpl import SmplReader
 from roundelay.formats.trc import TrcReader, TrcWriter
 from roundelay.formats.usd import UsdReader, UsdWriter
@@ -239,7 +239,9 @@ writers.add(FbxWriter())
 writers.add(UsdWriter())
 writers.add(C3dWriter())
 writers.add(TrcWriter())
+writers.add(OpenSimWriter())
 writers.add(CsvWriter())
+writers.add(QualisysWriter())
 writers.add(NpzWriter())
 
 _VIDEO = "; find keypoints in the video, by DeepLabCut, SLEAP or MediaPipe, and give those"

@@ -7,6 +7,7 @@ this reader is our own is told in the documentation ("Points").
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -38,6 +39,8 @@ Array = NDArray[np.float64]
 # Lists of what is computed and has no place, under POINT.
 _OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS", "REACTIONS")
 _LENGTHS = {"mm", "cm", "dm", "m", "km", "in", "ft", "mete", "meter", "meters", "metre", "um"}
+# What Vicon calls trajectories that nobody labelled.
+_NAMELESS = re.compile(r"\*\d+")
 # A header counts frames up to this; a file of more tells them in its parameters.
 _MOST_COUNTED = 65535
 
@@ -275,9 +278,9 @@ def _places_of(file: C3dFile, names: list[str], notes: Notes) -> list[int]:
             places.append(number)
     notes.add_named(computed, "outputs of a model, no points, left out")
     notes.add_named(sorted(axes), "axes of segments, left out")
-    nameless = [number for number in places if names[number].startswith("*")]
+    nameless = [number for number in places if _NAMELESS.fullmatch(names[number])]
     if len(nameless) < len(places):
-        # Vicon's names of trajectories that nobody labelled: they come and go on any marker.
+        # They come and go on any marker.
         notes.add_named([names[number] for number in nameless], "without a label, left out")
         places = [number for number in places if number not in nameless]
     if not places:

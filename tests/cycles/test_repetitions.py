@@ -75,10 +75,10 @@ def test_a_band_holds_the_repetitions(uneven):
     assert 23.0 < wide < 90.0
     narrow = found.band(KNEE, 0.5)
     assert np.all(narrow.high - narrow.low < band.high - band.low + 1e-12)
-    other = found.band("RightHand")
+    other = found.band("RightHand", 0.95)
     assert (other.high - other.low).mean() < 0.2 * wide
     with pytest.raises(rl.SkeletonMismatch, match="no joint 'Knee'"):
-        found.band("Knee")
+        found.band("Knee", 0.95)
     with pytest.raises(ValueError, match="level between 0 and 1"):
         found.band(KNEE, 95.0)
 
@@ -153,7 +153,7 @@ def test_one_repetition_does_not_vary():
     cycle = rl.find_cycles(made.motion)[0]
     found = rl.repetitions(cycle, made.motion)
     assert len(found) == 1
-    for ask in (lambda: found.vary(), lambda: found.play(2.0), lambda: found.band(KNEE)):
+    for ask in (lambda: found.vary(), lambda: found.play(2.0), lambda: found.band(KNEE, 0.9)):
         with pytest.raises(rl.TooShort, match=r"several whole repetitions .*, found 1"):
             ask()
     with warnings.catch_warnings():

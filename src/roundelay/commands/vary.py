@@ -68,7 +68,7 @@ def vary(
             cycle = find_cycles(motion, progress=progress)[0]
         own = repetitions(placed(cycle, written), placed(motion, written))
         made = own.vary(
-            drawing.periods,
+            drawing.repetitions,
             rng=drawing.seed,
             amount=drawing.amount,
             fps=written.fps,
@@ -79,6 +79,6 @@ def vary(
         path = place.path("varied", f".{written.file_format}")
         write(made, path)
         echo(
-            f"{shown(path)}: {drawing.periods} periods drawn from {len(own)} repetitions, "
+            f"{shown(path)}: {drawing.repetitions} periods drawn from {len(own)} repetitions, "
             f"{len(made)} frames at {made.fps:.4g} fps"
         )

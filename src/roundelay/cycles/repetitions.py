@@ -100,11 +100,17 @@ class Repetitions:
         return len(self.durations)
 
     @one_thread
-    def band(self, joint: str, level: float = 0.95) -> Band:
+    def band(self, joint: str, level: float) -> Band:
         """Return how far a joint is turned along the phase, with its spread.
 
         The limits are those of a new observation of a Gaussian, mean -+ t s sqrt(1 + 1 / R), at
         each phase by itself.
+
+        Parameters
+        ----------
+        joint : str
+        level : float
+            Share of new repetitions that lie within it at any one phase, such as .95.
 
         Raises
         ------
@@ -270,7 +276,7 @@ class _Drawn:
                 # An eighth of a turn at the join: squares of the weights have a sum of 1, so that
                 # two draws together vary as much as each.
                 share = 1.0 - smoothstep(np.clip(from_join / margin, 0.0, 1.0))
-                angle = (0.25 * np.pi * share).reshape(-1, *[1] * (own.ndim - 1))
+                angle = (np.pi / 4 * share).reshape(-1, *[1] * (own.ndim - 1))
                 result[near] = np.cos(angle) * own[near] + np.sin(angle) * other
         return result
 

@@ -80,7 +80,7 @@ class VaryOptions(Checked):
 
     Parameters
     ----------
-    periods : int
+    repetitions : int
         How many different ones follow each other before the first comes again.
     seed : int
         Another seed draws others.
@@ -90,7 +90,7 @@ class VaryOptions(Checked):
 
     title: ClassVar[str] = "How repetitions vary"
 
-    periods: int = option(
+    repetitions: int = option(
         4, "How many follow each other before the first comes again.", least=1, most=1000
     )
     seed: int = option(0, "Another seed draws others.", least=0)

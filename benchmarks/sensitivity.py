@@ -11,8 +11,8 @@ or none), in the number of cycles or segments, in the period (by more than 1 %),
 and runs of [C], half from those in FOLDER/truth; constants of segmentation are tried on the
 captures with labels, those of comparing cycles on the cycles of all captures, as a library, those
 of bodies and loops on the loops of every second capture, those of points on the captures as markers
-with gaps, outliers and noise, those of variation on repetitions drawn, those of faults on all
-loops, clean and with the faults of `benchmarks.check` at their least.
+with gaps, outliers and noise, those of solving on made markers, those of variation on repetitions
+drawn, those of faults on all loops, clean and with the faults of `benchmarks.check` at their least.
 `--only` takes names and beginnings of names, `--keep` puts each result, as soon as it is there,
 into benchmarks/results/sensitivity.json.
 """
@@ -38,6 +38,14 @@ import numpy as np
 import roundelay as rl
 from benchmarks._behaviour_takes import bandai_joins, clip_joins, hdm_joins
 from benchmarks._harness import RESULTS, parser, report
+from benchmarks._marker_takes import (
+    bone_markers,
+    joint_angles,
+    keypoints,
+    markers,
+    standing_walk,
+    with_gaps,
+)
 from benchmarks.check import FAULTS, METRES, Loop, in_form
 from benchmarks.raunio import TABLES, find_capture
 from benchmarks.segmentation_data import FULL, labelled
@@ -58,9 +66,11 @@ from roundelay.loops.units import Lengths
 from roundelay.loops.verdict import verdict_of
 from roundelay.motion.features import point_cloud
 from roundelay.motion.floating import motion_of_points, points_of_motion
+from roundelay.motion.points import Points
 from roundelay.segmentation import segment_channels
 from roundelay.segmentation.gmm import GMMOptions
 from roundelay.segmentation.ppca import PPCAOptions
+from roundelay.solving import solve
 from roundelay.timeline.options import Options
 from roundelay.topology import count_classes, persistent_cohomology, turns
 from roundelay.topology.toroidal import toroidal_coordinates
@@ -234,7 +244,13 @@ def _baseline(probe: Callable[[], Iterable[Outcome]]) -> list[Outcome]:
 def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
     """Return what shows the influence of a constant."""
     room, record, _ = one.name.split(".")
-    rooms = {"compare": _library, "segmentation": _behaviours, "geometry": _loops, "loops": _loops}
+    rooms = {
+        "compare": _library,
+        "segmentation": _behaviours,
+        "geometry": _loops,
+        "loops": _loops,
+        "solving": _solved,
+    }
     records = {
         "segmentation.pca": _pca,
         "segmentation.ppca": _ppca,
@@ -260,6 +276,34 @@ def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
     if one.name.startswith(UNDERSTANDING):
         return _understood
     return records.get(f"{room}.{record}") or rooms.get(room) or _found
+
+
+@cache
+def _takes() -> list[tuple[rl.Motion, Points]]:
+    """Made walks as markers with gaps and as noisy keypoints; jumps as markers without names."""
+    rng, takes = np.random.default_rng(0), []
+    walk, _ = standing_walk(strides=2, fps=30)
+    jumps = synth.gait("jacks", repetitions=2, fps=30).motion
+    bones = ("Hips", "LeftUpLeg", "LeftLeg", "RightUpLeg")
+    for motion, (names, places), noise, gaps in (
+        (walk, markers(walk), 0.002, 0.15),
+        (walk, keypoints(walk), 0.02, 0.0),
+        (jumps, bone_markers(jumps, bones), 0.001, 0.1),
+    ):
+        places = places + noise * rng.standard_normal(places.shape)
+        takes.append((motion, with_gaps(Points(names, places, 30.0, units="m"), gaps, rng)))
+    return takes
+
+
+def _solved() -> Iterator[Outcome]:
+    return (_guarded(lambda m=motion, p=points: _solution(m, p)) for motion, points in _takes())
+
+
+def _solution(motion: rl.Motion, points: Points) -> Outcome:
+    solved = solve(points)
+    angles = joint_angles(motion, solved).values()
+    figures = (1000.0 * solved.rms, float(len(solved.markers)), *angles)
+    return Outcome(solved.motion.skeleton.n_joints, 0.0, figures, slack=0.02)
 
 
 def _guarded(work: Callable[[], Outcome]) -> Outcome:

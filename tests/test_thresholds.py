@@ -28,6 +28,7 @@ DECIDING = (
     "segmentation",
     "cycles",
     "loops",
+    "solving",
     "compare",
     "motion/poses.py",
     "motion/features.py",

@@ -13,6 +13,7 @@ from roundelay.base.errors import RoundelayWarning as RoundelayWarning
 from roundelay.base.errors import SkeletonMismatch as SkeletonMismatch
 from roundelay.base.errors import TooLarge as TooLarge
 from roundelay.base.errors import TooShort as TooShort
+from roundelay.base.errors import Unsolvable as Unsolvable
 from roundelay.base.version import __version__ as __version__
 from roundelay.compare.distances import bottleneck_distance as bottleneck_distance
 from roundelay.compare.distances import cluster as cluster
@@ -49,6 +50,8 @@ from roundelay.pipeline import make_loops as make_loops
 from roundelay.pipeline import segment as segment
 from roundelay.pipeline import understand as understand
 from roundelay.segmentation import Segmentation as Segmentation
+from roundelay.solving import Solution as Solution
+from roundelay.solving import solve_skeleton as solve_skeleton
 from roundelay.timeline.behaviours import Behaviour as Behaviour
 from roundelay.timeline.behaviours import Timeline as Timeline
 from roundelay.timeline.evidence import Evidence as Evidence

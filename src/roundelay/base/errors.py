@@ -7,6 +7,7 @@
     ├── SkeletonMismatch   skeletons or joints that do not fit together
     ├── TooShort           fewer frames than the method needs
     ├── NoPeriod           no periodic motion found (carries the evidence)
+    ├── Unsolvable         points that tell no skeleton (what is missing)
     ├── LiftError          a cocycle mod p that is no integer cocycle
     ├── TooLarge           a problem that would not fit in memory
     ├── Locked             a folder that another run is at work on
@@ -38,6 +39,7 @@ __all__ = [
     "SkeletonMismatch",
     "TooLarge",
     "TooShort",
+    "Unsolvable",
 ]
 
 
@@ -103,6 +105,10 @@ class NoPeriod(RoundelayError):
     def __init__(self, message: str, evidence: Any = None) -> None:
         super().__init__(message)
         self.evidence = evidence
+
+
+class Unsolvable(RoundelayError):
+    """Report points from which no skeleton can be solved, and what they lack."""
 
 
 class LiftError(RoundelayError):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -20,6 +22,8 @@ from roundelay.commands.common import (
 from roundelay.commands.options import only, takes
 from roundelay.formats.options import ReadOptions
 from roundelay.loops.options import LoopOptions
+from roundelay.motion.motion import Motion
+from roundelay.solving.options import SolvingOptions
 from roundelay.timeline.options import Options
 
 Target = Annotated[
@@ -36,6 +40,7 @@ Target = Annotated[
     search=only(Options, "frames"),
     written=only(LoopOptions, "fps", "mirror", "resize", "file_format"),
     reading=ReadOptions,
+    solving=SolvingOptions,
 )
 def convert(
     capture: Capture,
@@ -45,11 +50,13 @@ def convert(
     search: Options,
     written: LoopOptions,
     reading: ReadOptions,
+    solving: SolvingOptions,
     given: frozenset[str],
 ) -> None:
     """Convert a capture to another format, resampled, cropped, mirrored or resized.
 
-    An AMC gets its ASF beside it, of the same name.
+    An AMC gets its ASF beside it, of the same name. Markers and keypoints become a skeleton with
+    turning bones where a format of skeletons is written.
     """
     with one_line_errors(capture):
         from roundelay.formats import suffixes_of, write, writers
@@ -59,12 +66,37 @@ def convert(
         place = place_of(target, name, suffixes_of(writers))
         written = in_format_of(place, written, given, capture, reading)
         path = place.file or place.folder / f"{place.name}.{written.file_format}"
-        motion = read_capture(capture, skeleton, reading)
-        wanted = search.span(len(motion))
-        if wanted is not None:
-            motion = motion[slice(*wanted)]
+        if not solving.points and _needs_bones(capture, path, reading):
+            motion = _solved(capture, search, reading)
+        else:
+            motion = read_capture(capture, skeleton, reading)
+            motion = motion[_frames(search, len(motion))]
         motion = placed(motion, written)
         if written.fps is not None:
             motion = motion.resample(written.fps)
         write(motion, path)
         echo(f"{shown(path)}: {len(motion)} frames at {motion.fps:.4g} fps")
+
+
+def _needs_bones(capture: Path, path: Path, reading: ReadOptions) -> bool:
+    """Tell whether a file of points shall go into a format of skeletons."""
+    from roundelay.formats.registry import PointsReader, PointsWriter, reader_of, writer_of
+
+    reader, writer = reader_of(capture, reading.suffix), writer_of(path)
+    return isinstance(reader, PointsReader) and not isinstance(writer, PointsWriter)
+
+
+def _solved(capture: Path, search: Options, reading: ReadOptions) -> Motion:
+    """Read points and solve their skeleton."""
+    from roundelay.formats import read_points
+    from roundelay.solving import solve_skeleton
+
+    points = read_points(capture, suffix=reading.suffix)
+    if reading.capture_fps is not None:
+        points = replace(points, fps=reading.capture_fps)
+    return solve_skeleton(points[_frames(search, len(points))])
+
+
+def _frames(search: Options, count: int) -> slice:
+    """Return the frames that are asked for, of so many."""
+    return slice(*(search.span(count) or (0, count)))

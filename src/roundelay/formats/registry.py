@@ -43,6 +43,7 @@ __all__ = [
     "ChoosingPointsReader",
     "ChoosingReader",
     "PointsReader",
+    "PointsWriter",
     "Reader",
     "SkeletonReader",
     "Suffixed",
@@ -205,6 +206,21 @@ class Writer(Suffixed, Protocol):
             Of at least one frame.
         path : Path
             Its suffix is one of the writer's, in any case.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        ...
+
+
+@runtime_checkable
+class PointsWriter(Writer, Protocol):
+    """Write the files of a format that holds points."""
+
+    def write_points(self, points: Points, path: Path) -> None:
+        """Write points to a file, whole or not at all.
 
         Raises
         ------

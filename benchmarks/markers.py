@@ -100,7 +100,7 @@ def of_file(path: Path) -> dict[str, Any]:
         started = time.process_time()
         solved = solve(points)
     except rl.RoundelayError as error:
-        return {**row, "refused": str(error)}
+        return {**row, "refused": getattr(error, "message", str(error))}
     seconds = time.process_time() - started
     factor = MILLIMETRES.get(points.units, 1.0)
     return {

@@ -24,7 +24,6 @@ Array = NDArray[np.float64]
 SCRIPT = Path(__file__).resolve().parent / "inside" / "scenes.py"
 # What poses may differ by: degrees, and parts of the body's size.
 DEGREES, HEIGHT = 0.1, 0.001
-IMPORTERS = ("usual", "new")
 # What axes may miss quarter turns by.
 _AXIS = 1e-3
 
@@ -77,30 +76,37 @@ def compared(python: Path, files: Sequence[Path], folder: Path) -> list[Compared
                 motions[path] = rl.read(path), _first_animation(path)
             except rl.RoundelayError as error:
                 motions[path] = str(error)
-    told: dict[str, dict[str, str]] = {}
-    for importer in IMPORTERS:
-        jobs = [
-            {
-                "file": str(path),
-                "out": str(folder / f"{path.name}.{importer}.npz"),
-                "fps": max(1, round(found[0].fps)),
-                "animation": found[1],
-                "importer": importer,
-            }
-            for path, found in motions.items()
-            if not isinstance(found, str) and (importer == "usual" or path.suffix == ".fbx")
-        ]
-        listed = folder / "jobs.json"
-        listed.write_text(json.dumps(jobs))
-        told[importer] = _run(python, "poses", listed)
-    return [_best(path, found, folder, told) for path, found in motions.items()]
+    rows = _imported(python, motions, folder, "usual")
+    unlike = {path: motions[path] for path, row in rows.items() if _asks_again(path, row)}
+    for path, row in _imported(python, unlike, folder, "new").items():
+        rows[path] = row if row.equal else rows[path]
+    return list(rows.values())
 
 
-def _best(path: Path, found: Any, folder: Path, told: dict[str, dict[str, str]]) -> Compared:
-    """Compare with each of Blender's importers, of which it has two for FBX; the nearer counts."""
-    rows = [_row(path, found, folder, importer, faults) for importer, faults in told.items()]
-    known = [row for row in rows if not row.error]
-    return min(known, key=lambda row: row.degrees, default=rows[0])
+def _asks_again(path: Path, row: Compared) -> bool:
+    """Tell whether Blender's other importer of FBX is asked."""
+    return path.suffix == ".fbx" and not row.equal
+
+
+def _imported(
+    python: Path, motions: dict[Path, Any], folder: Path, importer: str
+) -> dict[Path, Compared]:
+    """Compare with one of Blender's importers, of which it has two for FBX."""
+    jobs = [
+        {
+            "file": str(path),
+            "out": str(folder / f"{path.name}.{importer}.npz"),
+            "fps": max(1, round(found[0].fps)),
+            "animation": found[1],
+            "importer": importer,
+        }
+        for path, found in motions.items()
+        if not isinstance(found, str)
+    ]
+    listed = folder / "jobs.json"
+    listed.write_text(json.dumps(jobs))
+    told = _run(python, "poses", listed) if jobs else {}
+    return {path: _row(path, found, folder, importer, told) for path, found in motions.items()}
 
 
 def _first_animation(path: Path) -> str | None:
@@ -145,9 +151,12 @@ def _measured(name: str, kind: str, motion: rl.Motion, theirs: dict[str, Array])
     places, turns = forward_kinematics(
         ours.skeleton, ours.rotations, ours.root_path, translations=ours.translations
     )
-    names = list(theirs["names"])
-    common = [joint for joint in motion.skeleton.names if joint in names]
-    left = [motion.skeleton.names.index(joint) for joint in common]
+    names, own = list(theirs["names"]), list(motion.skeleton.names)
+    if not set(own) & set(names):
+        # Nodes without a name are called otherwise in Blender.
+        names, own = ([_plain(name) for name in each] for each in (names, own))
+    common = [joint for joint in own if joint in names]
+    left = [own.index(joint) for joint in common]
     right = [names.index(joint) for joint in common]
     a, b = places[:, left], theirs["places"][inside][:, right]
     if len(common) < 0.5 * min(len(names), motion.skeleton.n_joints):
@@ -162,6 +171,10 @@ def _measured(name: str, kind: str, motion: rl.Motion, theirs: dict[str, Array])
     degrees = np.degrees(rot.angle_between(moved, theirs_since)).max()
     height = float(away / (scale * motion.skeleton.size))
     return Compared(name, kind, int(inside.sum()), len(common), float(degrees), height)
+
+
+def _plain(name: str) -> str:
+    return name.lower().replace("_", "")
 
 
 def _similarity(a: Array, b: Array) -> tuple[float, Array, Array]:

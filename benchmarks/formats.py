@@ -1,25 +1,17 @@
 """Reading and writing BVH and AMC: speed and memory, beside other readers, and what they take.
 
-Usage: python -m benchmarks.formats --data FOLDER [--blenders PYTHONS] [--real FOLDER]
-           [--fuzz FILE] [--json] [--keep]
+Usage: python -m benchmarks.formats --data FOLDER [--json] [--keep]
 
 Every reader runs in this process on the same files; the best of several runs counts, by CPU time.
 Frames per second of reading include what each makes of the numbers: quaternions here, Euler angles
 in pybvh and pymotion, transforms in bvhio. The odd and broken files of `bvh_samples` are read in a
 process of their own. Memory is the peak of what Python and NumPy allocate during a read, less the
 result, in multiples of the file's size.
-
-With ``--blenders``, Pythons that have bpy, separated by commas, each of them makes FBX and glTF of
-one body in the options of its exporters that matter (`benchmarks/inside/scenes.py`), and imports
-them, and those of ``--real``: our poses are compared with its own at 20 keyed frames, within .1
-degree and .1 % of the body's size. ``--fuzz`` names what ``python -m tests.fuzz`` printed.
 """
 
 from __future__ import annotations
 
-import argparse
 import functools
-import json
 import tempfile
 import time
 import tracemalloc
@@ -32,9 +24,7 @@ from typing import Any
 import roundelay as rl
 from benchmarks import sandbox
 from benchmarks._harness import Target, parser, report
-from benchmarks._scenes import Compared, compared, made
 from benchmarks.bvh_samples import BROKEN, VALID, text
-from roundelay.formats import readers, suffixes_of
 
 FRAMES, JOINTS = 3, 3
 SECONDS = 10.0
@@ -46,11 +36,6 @@ TARGETS = (
     Target("fastest", "==", 1, "the fastest reader of all"),
     Target("amc.read", ">=", 30000, "frames of an AMC read in a second"),
     Target("memory_of_the_file", "<=", 8, "most memory of a reading, in sizes of the file"),
-    Target("compared.fbx", ">=", 20, "FBX files compared with Blender's importers"),
-    Target("compared.glb", ">=", 20, "glTF files compared with Blender's importers"),
-    Target("poses_equal", ">=", 1, "share of files whose poses equal those of Blender"),
-    Target("fuzz_runs", ">=", 1_000_000, "files of the fuzzer"),
-    Target("other_exceptions", "==", 0, "files of the fuzzer that ended otherwise"),
 )
 
 
@@ -111,64 +96,12 @@ PEERS = {
 
 
 def main() -> None:
-    asked = parser(__doc__, data="folder that holds cmu/, bundle/")
-    asked.add_argument("--blenders", default="", help="Pythons with bpy, separated by commas")
-    asked.add_argument("--real", type=Path, help="folder of FBX and glTF files by others")
-    asked.add_argument("--fuzz", type=Path, help="what python -m tests.fuzz printed")
-    arguments = asked.parse_args()
+    arguments = parser(__doc__, data="folder that holds cmu/, bundle/").parse_args()
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory() as folder:
         result = _measure(arguments.data, Path(folder))
-    scenes = _scenes([Path(one) for one in arguments.blenders.split(",") if one], arguments.real)
-    told = {"summary": _summary(**result) | _told(scenes, arguments), **result}
-    told["scenes"] = [vars(one) for one in scenes]
-    table = [*_table(result), *map(_line, scenes)]
-    report("formats", told, TARGETS, arguments, table=table)
-
-
-def _scenes(blenders: list[Path], real: Path | None) -> list[Compared]:
-    """Compare files that each Blender makes, and those of others, with its importers."""
-    rows: list[Compared] = []
-    for python in blenders:
-        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as work:
-            files = made(python, Path(folder))
-            files += _animated(real) if real is not None and python is blenders[0] else []
-            rows += compared(python, files, Path(work))
-    return rows
-
-
-def _animated(folder: Path) -> list[Path]:
-    """List the files below a folder that hold an animation of a skeleton."""
-    found = []
-    for path in sorted(folder.rglob("*")):
-        if path.suffix.lower() in (".fbx", ".glb", ".gltf"):
-            try:
-                rl.read(path)
-            except rl.RoundelayError:
-                continue
-            found.append(path)
-    return found
-
-
-def _told(scenes: list[Compared], arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return the figures of files of scenes and of the fuzzer; none of what was not done."""
-    told: dict[str, Any] = {"formats_read": list(suffixes_of(readers))}
-    if scenes:
-        kinds = {kind: [one for one in scenes if one.kind == kind] for kind in ("fbx", "glb")}
-        told["compared"] = {kind: len(held) for kind, held in kinds.items()}
-        told["equal"] = {kind: sum(one.equal for one in held) for kind, held in kinds.items()}
-        told["poses_equal"] = sum(one.equal for one in scenes) / len(scenes)
-        told["degrees"] = max(one.degrees for one in scenes if one.equal)
-        told["not_equal"] = [one.file for one in scenes if not one.equal]
-    if arguments.fuzz is not None:
-        fuzzed = json.loads(arguments.fuzz.read_text())
-        told |= {key: fuzzed[key] for key in ("fuzz_runs", "other_exceptions", "hangs")}
-    return told
-
-
-def _line(one: Compared) -> str:
-    word = "equal" if one.equal else one.error or "NOT EQUAL"
-    return f"  {one.file:44}{one.joints:5}{one.poses:5}{one.degrees:9.4f}{one.height:10.6f}  {word}"
+    told = {"summary": _summary(**result), **result}
+    report("formats", told, TARGETS, arguments, table=_table(result))
 
 
 def _measure(data: Path, folder: Path) -> dict[str, Any]:

@@ -12,7 +12,8 @@ and runs of [C], half from those in FOLDER/truth; constants of segmentation are 
 captures with labels, those of comparing cycles on the cycles of all captures, as a library, those
 of bodies and loops on the loops of every second capture, those of points on the captures as markers
 with gaps, outliers and noise, those of solving on made markers, those of variation on repetitions
-drawn, those of faults on all loops, clean and with the faults of `benchmarks.check` at their least.
+drawn, those of gait on strides of captures and of made walks, those of faults on all loops, clean
+and with the faults of `benchmarks.check` at their least.
 `--only` takes names and beginnings of names, `--keep` puts each result, as soon as it is there,
 into benchmarks/results/sensitivity.json.
 """
@@ -250,6 +251,7 @@ def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
         "geometry": _loops,
         "loops": _loops,
         "solving": _solved,
+        "gait": _stepped,
     }
     records = {
         "segmentation.pca": _pca,
@@ -355,6 +357,31 @@ def _first_phase(motion: rl.Motion) -> Outcome:
     angle = 2 * np.pi * first.phase[first.evidence.runs[0][0]]
     figures = (float(np.cos(angle)), float(np.sin(angle)), float(len(events_of(first))))
     return Outcome(1, first.period, figures, slack=0.01)
+
+
+def _stepped() -> Iterator[Outcome]:
+    """Of every second capture, as it is and as markers with gaps; and of made walks."""
+    for motion, timeline in _walks():
+        yield _guarded(lambda m=motion, t=timeline: _strides_of(m, t))
+
+
+@cache
+def _walks() -> list[tuple[rl.Motion, rl.Timeline]]:
+    made = [
+        synth.steps(6, treadmill=x, backward=y).motion for x, y in ((False, True), (True, False))
+    ]
+    motions = [*_MOTIONS[::2], *made, synth.gait("jacks", repetitions=5).motion]
+    motions += [motion_of_points(synth.as_points(motion, gaps=0.2)) for motion in _MOTIONS[::4]]
+    return [(motion, rl.understand(motion)) for motion in motions]
+
+
+def _strides_of(motion: rl.Motion, timeline: rl.Timeline) -> Outcome:
+    told = rl.strides(motion, rl.StrideOptions(resamples=100), timeline=timeline)
+    known = [one for foot in told.summary.values() for one in foot.values() if one.count]
+    figures = [x for one in known for x in (one.mean, one.low) if math.isfinite(x)]
+    times = [stride.time for stride in told.strides]
+    period = float(np.mean(times)) if times else 0.0
+    return Outcome(1 + len(times), period, (*figures, float(len(told.notes))))
 
 
 def _closed() -> Iterator[Outcome]:

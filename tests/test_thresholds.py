@@ -29,6 +29,7 @@ DECIDING = (
     "cycles",
     "loops",
     "solving",
+    "gait",
     "compare",
     "motion/poses.py",
     "motion/features.py",

@@ -29,6 +29,9 @@ from roundelay.cycles.repetitions import repetitions as repetitions
 from roundelay.formats import read as read
 from roundelay.formats import read_points as read_points
 from roundelay.formats import write as write
+from roundelay.gait.options import StrideOptions as StrideOptions
+from roundelay.gait.result import Strides as Strides
+from roundelay.gait.strides import strides as strides
 from roundelay.geometry.skeleton import Skeleton as Skeleton
 from roundelay.library import Library as Library
 from roundelay.library import Match as Match

@@ -21,6 +21,7 @@ from roundelay.commands.listing import filled
 from roundelay.commands.loop import loop
 from roundelay.commands.search import search
 from roundelay.commands.segment import segment
+from roundelay.commands.strides import strides
 from roundelay.commands.timeline import timeline
 from roundelay.commands.vary import vary
 from roundelay.commands.view import view
@@ -74,6 +75,7 @@ for command in (
     loop,
     segment,
     timeline,
+    strides,
     inspect,
     excitations,
     view,

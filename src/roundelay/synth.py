@@ -24,12 +24,14 @@ from roundelay.motion.points import Points
 
 __all__ = [
     "Gait",
+    "Stepped",
     "Synthetic",
     "as_points",
     "gait",
     "humanoid",
     "quadruped",
     "sequence",
+    "steps",
     "wander",
 ]
 
@@ -101,6 +103,25 @@ class Synthetic:
     period: float
     cuts: tuple[int, ...] = ()
     labels: tuple[str, ...] = ()
+
+    __repr__ = brief
+
+
+@dataclass(frozen=True, eq=False)
+class Stepped:
+    """A made walk whose feet stand still, and when they come down and leave.
+
+    Attributes
+    ----------
+    motion : Motion
+    strikes, offs : dict of (n,) ndarray
+        Frames, not whole, at which the foot "left" or "right" comes down and leaves, in order; of
+        who walks backward toes come down and heels leave.
+    """
+
+    motion: Motion
+    strikes: dict[str, _Array]
+    offs: dict[str, _Array]
 
     __repr__ = brief
 
@@ -287,6 +308,176 @@ def gait(
     path = _path(stride * 1.75, height, phase, turning, shape)
     motion = Motion(skeleton, rotations, path, 1.0 / fps, name=kind)
     return Synthetic(motion, phase, seconds, (), (kind,))
+
+
+def steps(
+    count: int = 8,
+    *,
+    stride: float = 1.1,
+    spread: float = 0.02,
+    related: float = 0.0,
+    speed: float = 1.1,
+    landing: float = 0.5,
+    fps: float = 120.0,
+    treadmill: bool = False,
+    backward: bool = False,
+    rng: _Rng = 0,
+) -> Stepped:
+    """Make a walk of a `humanoid` whose strides differ in time, and whose feet do not slide.
+
+    The heel comes down, the foot turns flat about it, later turns about its tip, and swings on
+    from there; hips go at a constant speed.
+
+    Parameters
+    ----------
+    count : int
+        Strides.
+    stride : float
+        Mean time of one in seconds.
+    spread : float
+        Standard deviation of these times over their mean.
+    related : float
+        Correlation of a stride's time with that of the next.
+    speed : float
+        Of the hips, in metres a second.
+    landing : float
+        Speed at which the heel goes forward when it comes down, in metres a second.
+    fps : float
+    treadmill : bool
+        The hips stay in place.
+    backward : bool
+        The walk is played from its end.
+    rng : int or numpy.random.Generator
+        Draws the times.
+
+    Returns
+    -------
+    Stepped
+    """
+    draw = np.random.default_rng(rng)
+    times = {"left": _related(draw, count + 1, related) * spread * stride + stride}
+    moments = np.cumsum(times["left"]) - 0.7 * times["left"][0]
+    middle = 0.5 * (moments[1:] + moments[:-1])
+    shaken = 0.25 * spread * stride * draw.normal(size=len(middle))
+    strikes = {"left": moments, "right": middle + shaken}
+    offs = {side: at[:-1] + _STANCE * np.diff(at) for side, at in strikes.items()}
+    seconds = np.arange(int((strikes["right"][-1] - 0.05) * fps)) / fps
+    skeleton = humanoid()
+    vectors = np.zeros((len(seconds), skeleton.n_joints, 3))
+    for side, sign in (("Left", 1.0), ("Right", -1.0)):
+        leg = _leg(seconds, strikes[side.lower()], offs[side.lower()], speed, landing)
+        for joint, angle in zip(("UpLeg", "Leg", "Foot"), leg.T, strict=True):
+            vectors[:, skeleton.index(f"{side}{joint}"), 0] = angle
+        turn = np.interp(seconds, moments, 2 * np.pi * np.arange(len(moments)))
+        vectors[:, skeleton.index(f"{side}Arm"), 0] = 0.35 * sign * np.cos(turn)
+    path = np.zeros((len(seconds), 3))
+    path[:, 1], path[:, 2] = _HIPS, 0.0 if treadmill else speed * seconds
+    rotations = rot.from_rotation_vector(vectors)
+    last = len(seconds) - 1
+    offs = {side: _all_offs(at, offs[side]) for side, at in strikes.items()}
+    if backward:
+        rotations, path = rotations[::-1], path[::-1]
+        strikes, offs = ({k: x[::-1] for k, x in one.items()} for one in (offs, strikes))
+    inside = [
+        {k: _within(last - x * fps if backward else x * fps, last) for k, x in one.items()}
+        for one in (strikes, offs)
+    ]
+    return Stepped(Motion(skeleton, rotations, path, 1.0 / fps, name="steps"), *inside)
+
+
+def _all_offs(strikes: _Array, offs: _Array) -> _Array:
+    """Return offs with those of the stances before the first and behind the last strike."""
+    stood = offs - strikes[:-1]
+    first = 2 * strikes[0] - strikes[1] + stood[0]
+    return np.concatenate([[first], offs, [strikes[-1] + stood[-1]]])
+
+
+def _within(frames: _Array, last: int) -> _Array:
+    return frames[(frames >= 0.0) & (frames <= last)]
+
+
+def _related(draw: np.random.Generator, count: int, related: float) -> _Array:
+    """Draw numbers of variance 1, each related to the one before."""
+    values = draw.normal(size=count)
+    for place in range(1, count):
+        values[place] = related * values[place - 1] + np.sqrt(1 - related**2) * values[place]
+    return values
+
+
+# Share of a stride in which a foot stands; of that, until it is flat, and until it turns on its
+# tip; the pitch at which it lands and leaves, in radians.
+_STANCE, _FLAT, _RISES, _LANDS, _LEAVES = 0.62, 0.15, 0.5, 0.3, -1.1
+# Height of the hips; tip and heel as seen from the ankle, as (up, ahead). The ball of the foot then
+# leaves about as fast as markers do where force plates tell that moment.
+_HIPS, _TIP, _HEEL = 0.8, np.array([-0.06, 0.26]), np.array([-0.06, -0.04])
+
+
+def _leg(seconds: _Array, strikes: _Array, offs: _Array, speed: float, landing: float) -> _Array:
+    """Return the angles (F, 3) of hip, knee and ankle about the axis across, from planar IK."""
+    pitch, ankle = _foot_path(seconds, strikes, offs, speed, landing)
+    thigh, shank = 0.42, 0.4
+    down, ahead = _HIPS - 0.05 - ankle[:, 0], ankle[:, 1] - speed * seconds
+    reach = np.minimum(np.hypot(down, ahead), 0.9999 * (thigh + shank))
+    aim = np.arctan2(ahead, down)
+    above = np.arccos((thigh**2 + reach**2 - shank**2) / (2 * thigh * reach))
+    below = np.arccos((shank**2 + reach**2 - thigh**2) / (2 * shank * reach))
+    hip, shin = -(aim + above), -(aim - below)
+    return np.stack([hip, shin - hip, -pitch - shin], axis=1)
+
+
+def _foot_path(
+    seconds: _Array, strikes: _Array, offs: _Array, speed: float, landing: float
+) -> tuple[_Array, _Array]:
+    """Return pitch (F,) and place of the ankle (F, 2), up and ahead, of a foot."""
+    pitch, ankle = np.zeros(len(seconds)), np.zeros((len(seconds), 2))
+    lengths = offs - strikes[:-1]
+    # Stances before the first and behind the last strike are like their neighbours.
+    begins = np.concatenate([[2 * strikes[0] - strikes[1]], strikes])
+    lengths = np.concatenate([lengths[:1], lengths, lengths[-1:]])
+    places = speed * (begins + 0.5 * lengths)
+    for number, (begin, length, place) in enumerate(zip(begins, lengths, places, strict=True)):
+        inside = (seconds >= begin) & (seconds < begin + length)
+        pitch[inside], ankle[inside] = _stance((seconds[inside] - begin) / length, place)
+        if number + 1 == len(begins):
+            break
+        left = begin + length
+        swing = (seconds >= left) & (seconds < begins[number + 1])
+        took = begins[number + 1] - left
+        u = (seconds[swing] - left) / took
+        ends = [_stance(np.array([x]), y) for x, y in ((1.0, place), (0.0, places[number + 1]))]
+        before = _stance(np.array([1.0 - 1e-5]), place)
+        rate = [(ends[0][k] - before[k]) / (1e-5 * length) * took for k in (0, 1)]
+        pitch[swing] = _between_ends(u, ends[0][0], ends[1][0], rate[0], np.zeros(1))[:, 0]
+        ankle[swing] = _between_ends(
+            u, ends[0][1][0], ends[1][1][0], rate[1][0], np.array([-0.25, landing]) * took
+        )
+    return pitch, ankle
+
+
+def _stance(share: _Array, place: float) -> tuple[_Array, _Array]:
+    """Return pitch (n,) and ankle (n, 2) of a standing foot whose flat ankle is at a place."""
+    lands = np.clip(1.0 - share / _FLAT, 0.0, 1.0)
+    rises = np.clip((share - _RISES) / (1.0 - _RISES), 0.0, 1.0)
+    pitch = _LANDS * lands**2 + _LEAVES * rises**3
+    pivot = np.where((rises > 0.0)[:, None], _TIP, _HEEL)
+    flat = np.array([0.06, place])
+    cos, sin = np.cos(pitch), np.sin(pitch)
+    # The foot turns about its pivot, which stays where it is.
+    turned = np.stack(
+        [cos * pivot[:, 0] + sin * pivot[:, 1], cos * pivot[:, 1] - sin * pivot[:, 0]], axis=1
+    )
+    return pitch, flat + pivot - turned
+
+
+def _between_ends(u: _Array, start: _Array, stop: _Array, first: _Array, last: _Array) -> _Array:
+    """Return the cubic (n, d) between two ends with given slopes."""
+    u = u[:, None]
+    return np.asarray(
+        (2 * u**3 - 3 * u**2 + 1) * start
+        + (u**3 - 2 * u**2 + u) * first
+        + (3 * u**2 - 2 * u**3) * stop
+        + (u**3 - u**2) * last
+    )
 
 
 def wander(

@@ -257,7 +257,9 @@ def named(record: object) -> set[str]:
     return set(record).union(*(named(value) for name, value in record.items() if name not in own))
 
 
-@pytest.mark.parametrize("command", ["loop", "timeline", "inspect", "excitations", "segment"])
+@pytest.mark.parametrize(
+    "command", ["loop", "timeline", "strides", "inspect", "excitations", "segment"]
+)
 def test_every_name_in_a_record_is_documented(walk, tmp_path, command):
     arguments = [command, str(walk), "-o", str(tmp_path), "--json"]
     arguments += [] if command == "timeline" else ["--no-picture"]

@@ -35,6 +35,7 @@ NAMES = {
 COMMANDS = {
     "loop": ["-o", "out"],
     "timeline": ["-o", "out"],
+    "strides": ["-o", "out"],
     "inspect": ["-o", "out"],
     "excitations": ["-o", "out"],
     "segment": ["-o", "out", "--split"],

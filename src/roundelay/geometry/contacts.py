@@ -18,6 +18,7 @@ __all__ = [
     "Foot",
     "contacts",
     "find_feet",
+    "foot_pairs",
     "foot_points",
     "free_limbs",
     "left_and_right",
@@ -81,11 +82,11 @@ def find_feet(skeleton: Skeleton, positions: Array, up: int) -> tuple[Foot, ...]
     return tuple(found.values())
 
 
-def left_and_right(skeleton: Skeleton, feet: tuple[Foot, ...]) -> tuple[int, int] | None:
-    """Return the numbers of two feet that are partners by their names, the left one first.
+def foot_pairs(skeleton: Skeleton, feet: tuple[Foot, ...]) -> list[tuple[int, int]]:
+    """Return the numbers of feet that are partners by their names, the left one of each first.
 
-    Of several pairs those that are called feet come first, then those of the first joints; what
-    is called a hand is none, though it may come near the ground.
+    Those that are called feet come first, then those of the first joints; what is called a hand is
+    none, though it may come near the ground.
 
     Parameters
     ----------
@@ -95,21 +96,29 @@ def left_and_right(skeleton: Skeleton, feet: tuple[Foot, ...]) -> tuple[int, int
 
     Returns
     -------
-    (int, int) or None
-        Places in `feet`; None where no two are partners.
+    list of (int, int)
+        Places in `feet`.
     """
     number = {skeleton.names[foot.ankle]: place for place, foot in enumerate(feet)}
     pairs = [(name, other_side(name, number)) for name in number]
     known = [
         (name, other)
         for name, other in pairs
-        if other in number and other != name and not _called(name, _HANDS)
+        if other in number and is_left(name, other) and not _called(name, _HANDS)
     ]
-    if not known:
-        return None
-    name, other = min(known, key=lambda pair: not _called(pair[0], _NAMES))
-    ours, theirs = number[name], number[str(other)]
-    return (ours, theirs) if is_left(name, str(other)) else (theirs, ours)
+    known.sort(key=lambda pair: not _called(pair[0], _NAMES))
+    return [(number[name], number[other]) for name, other in known]
+
+
+def left_and_right(skeleton: Skeleton, feet: tuple[Foot, ...]) -> tuple[int, int] | None:
+    """Return the first of `foot_pairs`, which tells the arguments; None where no two are partners.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    feet : tuple of Foot
+    """
+    return next(iter(foot_pairs(skeleton, feet)), None)
 
 
 def _called(name: str, words: Sequence[str]) -> bool:

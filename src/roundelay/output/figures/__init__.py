@@ -1,11 +1,13 @@
 """Pictures of results, with Matplotlib, which is imported only when one is drawn.
 
-Each is made from a result: a `Barcode`, an `Evidence`, a `Cycle`, a `Segmentation`, a `Motion`.
-Those that take ``axes`` draw there, or on axes of their own without, and return them; the others
-return a figure. `save` writes figures, also ``axes.figure``, as PNG, SVG or PDF by the suffix.
+Each is made from a result: a `Barcode`, an `Evidence`, a `Cycle`, a `Segmentation`, a `Motion`,
+`Strides`. Those that take ``axes`` draw there, or on axes of their own without, and return them;
+the others return a figure. `save` writes figures, also ``axes.figure``, as PNG, SVG or PDF by the
+suffix.
 """
 
 from roundelay.output.figures.excitation import excitations
+from roundelay.output.figures.gait import stances, steps, stride_line
 from roundelay.output.figures.inspection import inspection, persistence_diagram
 from roundelay.output.figures.overview import barcode, coordinate, overview, plane
 from roundelay.output.figures.phase import circle_density, density, period_line, remaps
@@ -32,6 +34,9 @@ __all__ = [
     "plane",
     "remaps",
     "save",
+    "stances",
+    "steps",
+    "stride_line",
     "strip",
     "timeline",
     "typical_trajectory",

@@ -155,7 +155,7 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
             "expected fps as a number, more than 0 and at most 10000",
         ),
         (
-            ["loop", "{walk}", "--format", "usd"],
+            ["loop", "{walk}", "--format", "obj"],
             "expected a format among",
         ),
         (["loop", "{walk}", "--fps", "1e9"], "in frames a second, found 1000000000.0"),
@@ -173,7 +173,7 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
         (["loop", "{out}"], "file of type"),
         (["search", "{walk}", "{out}"], "no library.json in it"),
         (["blend", "{walk}", "{walk}", "-o", "{out}/b.bvh", "--shares", "1"], "2 in all, found 1"),
-        (["convert", "{walk}", "{out}/walk.usd"], "file of type"),
+        (["convert", "{walk}", "{out}/walk.obj"], "file of type"),
         (["convert", "{walk}", "{out}/walk.bvh", "--resize", "0"], "expected resize as a number"),
         (["convert", "{walk}", "{out}/walk.bvh", "--frames", "9:3"], "frames within"),
     ],

@@ -255,8 +255,8 @@ def test_bad_sources_are_refused(tmp_path):
         rl.build_library(tmp_path, tmp_path / "library", 3)
     with pytest.raises(ValueError, match=r"expected a profile among .*, found 'arcade'"):
         rl.LoopOptions(profile="arcade")
-    with pytest.raises(ValueError, match="found 'usd'"):
-        rl.LoopOptions(file_format="usd")
+    with pytest.raises(ValueError, match="found 'obj'"):
+        rl.LoopOptions(file_format="obj")
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 

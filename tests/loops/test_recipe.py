@@ -109,7 +109,7 @@ def test_a_file_has_the_frames_that_its_format_needs(loop, tmp_path):
     assert len(rl.read(glb)) == len(rl.read(bvh)) + 1 == 133
     assert loop.write(tmp_path / "loop.amc") == (tmp_path / "loop.amc", tmp_path / "loop.asf")
     with pytest.raises(ValueError, match="expected a format among"):
-        loop.write(tmp_path / "loop.usd")
+        loop.write(tmp_path / "loop.obj")
 
 
 def test_what_is_mirrored_and_resized_is_the_loop_as_it_is_measured(walk):

@@ -116,7 +116,7 @@ def _read_apart(path: Path, character: str) -> dict[str, NDArray[Any]]:
 
 def _require_library(path: Path) -> None:
     if importlib.util.find_spec("pxr") is None:
-        told = "expected the library usd-core to read it, found none"
+        told = "expected the library usd-core for this format, found none"
         raise FormatError(f"{told}: install roundelay[usd]", path=path)
 
 

@@ -88,11 +88,12 @@ def _check_like(subject: Subject, motion: Motion, read: Motion) -> None:
     subject.expect(len(read) == len(motion), f"{len(motion)} frames read again", len(read))
     rate = np.isclose(read.fps, motion.fps, rtol=1e-4)
     subject.expect(bool(rate), f"{motion.fps:g} frames a second read again", f"{read.fps:g}")
-    names, others = motion.skeleton.names[1:], read.skeleton.names
+    (root, *names), others = motion.skeleton.names, read.skeleton.names
     lost = [name for name in names if name not in others]
     subject.expect(not lost, "all joints read again", f"all but {lost}")
-    # Formats may name the root as they must, and add ends of limbs.
-    order = [0, *(others.index(name) for name in names)]
+    # Formats may name the root as they must, and add ends of limbs; in those of points it is a
+    # point like the others.
+    order = [others.index(root) if root in others else 0, *(others.index(name) for name in names)]
     apart = np.linalg.norm(read.positions()[:, order] - motion.positions(), axis=-1)
     away = float(apart.max()) / motion.skeleton.size
     subject.expect(away < _CLOSE, f"joints within {_CLOSE:g} body sizes", f"{away:.2g} apart")

@@ -361,20 +361,11 @@ def steps(
     shaken = 0.25 * spread * stride * draw.normal(size=len(middle))
     strikes = {"left": moments, "right": middle + shaken}
     offs = {side: at[:-1] + _STANCE * np.diff(at) for side, at in strikes.items()}
-    seconds = np.arange(int((strikes["right"][-1] - 0.05) * fps)) / fps
-    skeleton = humanoid()
-    vectors = np.zeros((len(seconds), skeleton.n_joints, 3))
-    for side, sign in (("Left", 1.0), ("Right", -1.0)):
-        leg = _leg(seconds, strikes[side.lower()], offs[side.lower()], speed, landing)
-        for joint, angle in zip(("UpLeg", "Leg", "Foot"), leg.T, strict=True):
-            vectors[:, skeleton.index(f"{side}{joint}"), 0] = angle
-        turn = np.interp(seconds, moments, 2 * np.pi * np.arange(len(moments)))
-        vectors[:, skeleton.index(f"{side}Arm"), 0] = 0.35 * sign * np.cos(turn)
-    path = np.zeros((len(seconds), 3))
-    path[:, 1], path[:, 2] = _HIPS, 0.0 if treadmill else speed * seconds
-    rotations = rot.from_rotation_vector(vectors)
-    last = len(seconds) - 1
+    last = int((strikes["right"][-1] - 0.05) * fps) - 1
+    motion = _stepping(np.arange(last + 1) / fps, strikes, offs, speed, landing)
     offs = {side: _all_offs(at, offs[side]) for side, at in strikes.items()}
+    path = motion.root_path * ((1.0, 1.0, 0.0) if treadmill else (1.0, 1.0, 1.0))
+    rotations = motion.rotations
     if backward:
         rotations, path = rotations[::-1], path[::-1]
         strikes, offs = ({k: x[::-1] for k, x in one.items()} for one in (offs, strikes))
@@ -382,7 +373,29 @@ def steps(
         {k: _within(last - x * fps if backward else x * fps, last) for k, x in one.items()}
         for one in (strikes, offs)
     ]
-    return Stepped(Motion(skeleton, rotations, path, 1.0 / fps, name="steps"), *inside)
+    return Stepped(Motion(motion.skeleton, rotations, path, 1.0 / fps, name="steps"), *inside)
+
+
+def _stepping(
+    seconds: _Array,
+    strikes: dict[str, _Array],
+    offs: dict[str, _Array],
+    speed: float,
+    landing: float,
+) -> Motion:
+    """Return the walk whose feet come down and leave at given seconds."""
+    skeleton = humanoid()
+    vectors = np.zeros((len(seconds), skeleton.n_joints, 3))
+    beats = strikes["left"]
+    turn = np.interp(seconds, beats, 2 * np.pi * np.arange(len(beats)))
+    for side, sign in (("Left", 1.0), ("Right", -1.0)):
+        leg = _leg(seconds, strikes[side.lower()], offs[side.lower()], speed, landing)
+        for joint, angle in zip(("UpLeg", "Leg", "Foot"), leg.T, strict=True):
+            vectors[:, skeleton.index(f"{side}{joint}"), 0] = angle
+        vectors[:, skeleton.index(f"{side}Arm"), 0] = 0.35 * sign * np.cos(turn)
+    path = np.zeros((len(seconds), 3))
+    path[:, 1], path[:, 2] = _HIPS, speed * seconds
+    return Motion(skeleton, rot.from_rotation_vector(vectors), path, float(seconds[1]))
 
 
 def _all_offs(strikes: _Array, offs: _Array) -> _Array:

@@ -75,19 +75,20 @@ def step_events(walker: Walker, spans: Spans, rule: Rule) -> tuple[list[StepEven
     if rule == "zeni":
         return placed, rule
     timed = list(_by_speed(walker, placed))
-    found = [one for one in timed if one is not None]
     if rule == "velocity":
-        return found, rule
+        return [one for one in timed if one is not None], rule
     # What speed does not tell of a few steps, place does.
-    if len(found) < STEPS.told * len(placed):
+    if sum(one is not None for one in timed) < STEPS.told * len(placed):
         return placed, "zeni"
     return [b if a is None else a for a, b in zip(timed, placed, strict=True)], "velocity"
 
 
 def _by_place(walker: Walker, spans: Spans) -> Iterator[StepEvent]:
+    inside = np.zeros(len(walker.way), bool)
+    inside[spans.frames] = True
     for foot in walker.feet:
         front, back = _ends(walker, foot)
-        for start, stop in spans:
+        for start, stop in Spans.of_mask(inside & foot.seen):
             part = slice(start, stop)
             ahead = np.sum((front - foot.pelvis)[part] * walker.way[part], axis=1)
             behind = np.sum((back - foot.pelvis)[part] * walker.way[part], axis=1)
@@ -106,9 +107,13 @@ def _turns(ahead: Array, behind: Array, least: float) -> Iterator[tuple[Kind, fl
         return
     middle = 0.5 * (ahead + behind - np.mean(behind - ahead))
     back = max(STEPS.turn * float(np.ptp(middle)), 0.5 * least)
-    for rising, place in _turning_points(middle, back):
+    found = list(_turning_points(middle, back))
+    places = [0, *(place for _, place in found), len(ahead) - 1]
+    for number, (rising, _) in enumerate(found):
+        # Heel and toe turn at other frames than their middle, between its turns beside.
+        first, last = places[number], places[number + 2]
         values = ahead if rising else -behind
-        top = _top(values, place, back)
+        top = first + int(np.argmax(values[first : last + 1]))
         if 0 < top < len(values) - 1:
             between = lowest_between(-values[top - 1 : top + 2])
             yield ("strike" if rising else "off"), top + between
@@ -127,13 +132,6 @@ def _turning_points(values: Array, back: float) -> Iterator[tuple[bool, int]]:
         elif rising is not True and value - values[low] > back:
             yield False, low
             rising, high = True, place
-
-
-def _top(values: Array, place: int, back: float) -> int:
-    """Return where values (F,) are highest on the hill about a place."""
-    hill = values > values[place] - back
-    start, stop = next(span for span in Spans.of_mask(hill) if span[0] <= place < span[1])
-    return start + int(np.argmax(values[start:stop]))
 
 
 def _by_speed(walker: Walker, placed: list[StepEvent]) -> Iterator[StepEvent | None]:

@@ -215,16 +215,16 @@ def _of_skeleton(motion: Motion) -> list[Foot]:
             joints = {legs[leg].ankle, legs[leg].joint}
             names = tuple(skeleton.names[joint] for joint in sorted(joints))
             ankle = legs[leg].ankle
-            heel = _sole(places[:, ankle], turns[:, ankle], tips[:, leg], motion.up)
+            heel = _heel(places[:, ankle], turns[:, ankle], tips[:, leg], motion.up)
             found.append(Foot("", side, heel, tips[:, leg], hips, names, *_known(motion, names)))
     return found
 
 
-def _sole(ankle: Array, turns: Array, tip: Array, up: int) -> Array:
-    """Return the point (F, 3) of the sole that lies below the ankle where the foot is flat."""
+def _heel(ankle: Array, turns: Array, tip: Array, up: int) -> Array:
+    """Return the point (F, 3) of the sole below and a little behind the ankle."""
     height = np.maximum(ankle[:, up], tip[:, up])
     flat = height <= np.quantile(height, STEPS.low)
-    below = np.zeros_like(ankle)
+    below = -STEPS.behind * (tip - ankle)
     below[:, up] = tip[:, up] - ankle[:, up]
     inside = rot.rotate(rot.conjugate(turns[flat]), below[flat])
     return ankle + rot.rotate(turns, np.median(inside, axis=0))

@@ -12,7 +12,7 @@ from roundelay.base.spans import Spans
 from roundelay.base.threads import one_thread
 from roundelay.gait.events import StepEvent, step_events
 from roundelay.gait.feet import Foot, Walker, feet_of_motion, walker_of
-from roundelay.gait.options import StrideOptions
+from roundelay.gait.options import Rule, StrideOptions
 from roundelay.gait.result import Difference, Strides
 from roundelay.gait.spread import Spread, spread_of
 from roundelay.gait.table import QUANTITIES, Stride, strides_of
@@ -89,26 +89,41 @@ def strides(
         raise TooShort(f"expected {SEARCH.fewest} frames or more, found {last - first}")
     require_budget(motion, (first, last))
     feet = feet_of_motion(motion)
-    spans = Spans([(first, last)])
-    if not options.everywhere:
+    if options.everywhere:
+        spans = _seen_spans(feet, first, last)
+    else:
         known = timeline_of(motion, search, progress) if timeline is None else timeline
         spans = _gait(known.checked(len(motion)), feet)
     frames = np.zeros(len(motion), bool)
     frames[spans.frames] = True
+    if not frames.any():
+        raise NoPeriod("no foot is seen in any frame")
     walker = walker_of(motion, feet, frames)
     events, rule = step_events(walker, spans, options.rule)
     events = sorted(_seen(events, walker), key=lambda one: (one.frame, one.foot))
     if not any(one.kind == "strike" for one in events):
         raise NoPeriod(f"no foot comes down in frames {spans}; {_try(options)}")
+    return _result(motion, walker, events, rule, spans, options, np.random.default_rng(rng))
+
+
+def _result(
+    motion: Motion,
+    walker: Walker,
+    events: list[StepEvent],
+    rule: Rule,
+    spans: Spans,
+    options: StrideOptions,
+    draw: np.random.Generator,
+) -> Strides:
+    """Put moments together with the strides between them and their spread."""
     metres = Lengths.of(motion.skeleton).metres
     told = strides_of(walker, events, metres or 1.0)
-    draw = np.random.default_rng(rng)
     summary = {foot.name: _spreads(told, foot.name, options, draw) for foot in walker.feet}
     return Strides(
         events=tuple(events),
         strides=tuple(told),
         summary=summary,
-        differences=_differences(told, walker, summary, options, draw),
+        differences=_differences(walker, summary),
         spans=spans,
         rule=rule,
         ground="belt" if walker.belt else "still",
@@ -119,6 +134,13 @@ def strides(
         fps=motion.fps,
         name=motion.name,
     )
+
+
+def _seen_spans(feet: list[Foot], first: int, last: int) -> Spans:
+    """Return the frames of a range in which a foot is seen."""
+    seen = np.any([foot.seen for foot in feet], axis=0)
+    seen[:first] = seen[last:] = False
+    return Spans.of_mask(seen)
 
 
 def _gait(known: Timeline, feet: list[Foot]) -> Spans:
@@ -164,24 +186,21 @@ def _values(told: list[Stride], foot: str, name: str) -> Array:
 
 
 def _differences(
-    told: list[Stride],
-    walker: Walker,
-    summary: dict[str, dict[str, Spread]],
-    options: StrideOptions,
-    draw: np.random.Generator,
+    walker: Walker, summary: dict[str, dict[str, Spread]]
 ) -> dict[str, list[Difference]]:
     pairs = [(a.name, b.name) for a, b in zip(walker.feet[::2], walker.feet[1::2], strict=True)]
-    found: dict[str, list[Difference]] = {}
-    for name in QUANTITIES:
-        found[name] = []
-        for left, right in pairs:
-            one, other = summary[left][name], summary[right][name]
-            away = one.mean - other.mean
-            # Errors of two means add as squares.
-            reach = float(np.hypot(0.5 * (one.high - one.low), 0.5 * (other.high - other.low)))
-            share = 2 * away / (one.mean + other.mean) if one.mean + other.mean else float("nan")
-            found[name].append(Difference(left, right, away, away - reach, away + reach, share))
-    return found
+    return {
+        name: [_difference(a, b, summary[a][name], summary[b][name]) for a, b in pairs]
+        for name in QUANTITIES
+    }
+
+
+def _difference(left: str, right: str, one: Spread, other: Spread) -> Difference:
+    away, both = one.mean - other.mean, one.mean + other.mean
+    # Errors of two means add as squares.
+    reach = 0.5 * float(np.hypot(one.high - one.low, other.high - other.low))
+    share = 2 * away / both if both else float("nan")
+    return Difference(left, right, away, away - reach, away + reach, share)
 
 
 def _notes(

@@ -21,7 +21,7 @@ class _Steps(Thresholds):
         origin="a foot that goes to and fro by less makes no step; " + BY_EYE,
     )
     turn: float = constant(
-        0.3,
+        0.12,
         unit="share of the way of the foot to and fro",
         origin="by which it turns back at a step; " + BY_EYE,
     )
@@ -41,8 +41,13 @@ class _Steps(Thresholds):
     low: float = constant(
         0.3, unit="quantile of a foot's heights", origin="below it stands; " + BY_EYE
     )
-    heel: float = constant(0.1, unit="share of its highest speed in a swing", origin=_PLATES)
-    toe: float = constant(0.25, unit="share of its highest speed in a swing", origin=_PLATES)
+    heel: float = constant(0.08, unit="share of its highest speed in a swing", origin=_PLATES)
+    toe: float = constant(0.24, unit="share of its highest speed in a swing", origin=_PLATES)
+    behind: float = constant(
+        0.25,
+        unit="share of the way from the ankle to the ball",
+        origin="by which a heel lies behind the ankle; " + BY_EYE,
+    )
     told: float = constant(
         0.8, unit="share of steps", origin="so many must be told by speed; " + BY_EYE
     )

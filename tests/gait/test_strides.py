@@ -100,6 +100,7 @@ def test_four_feet():
 def test_jumps_in_place_are_told_by_contacts():
     found = rl.strides(synth.gait("jacks", repetitions=6).motion, FEW)
     assert found.rule == "contacts"
+    assert "left and right come down together: jumps, not steps" in found.notes
 
 
 def test_strides_outside_of_gait_only_when_asked():
@@ -125,6 +126,14 @@ def test_bad_input_is_told_in_a_sentence(walk):
         rl.strides(still, replace(FEW, everywhere=True))
     with pytest.raises(TypeError, match="expected a StrideOptions"):
         rl.strides(walk.motion, "zeni")
+
+
+def test_a_wheel_is_no_heel(walk):
+    points = synth.as_points(walk.motion)
+    names = {"LeftFoot": "WheelL", "RightFoot": "WheelR"}
+    wheeled = replace(points, names=tuple(names.get(name, name) for name in points.names))
+    with pytest.raises(rl.SkeletonMismatch, match="expected a left and a right foot"):
+        rl.strides(wheeled)
 
 
 def test_one_stride_has_no_spread():

@@ -31,7 +31,7 @@ __all__ = ["Foot", "Walker", "feet_of_motion", "velocity", "walker_of"]
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_HEELS = re.compile(r"hee|calc|fcc|ft1$")
+_HEELS = re.compile(r"(?<!w)hee|calc|fcc|ft1$")
 _TOES = re.compile(r"toe|met|mt\d|mtp|mth|fm\d|footindex|ball|ft[23]$")
 _ANKLES = re.compile(r"ank|mall?\d?$|fal$|foot|paw|hoof")
 _PELVIS = re.compile(r"asi|psi|sacr|hip|pelv|ias$|ips$|pv\d$")
@@ -53,8 +53,8 @@ class Foot:
         Names of the joints or points that it was read from.
     seen : (F,) ndarray of bool
         Frames in which these are known.
-    filled : float
-        Share of the frames in which one of these was missing, filled or not.
+    gaps : (F,) ndarray of bool
+        Frames in which one of these was missing, filled or not.
     whole : bool
         Whether heel and toe are two points; else one stands for both.
     """
@@ -66,7 +66,7 @@ class Foot:
     pelvis: Array = field(repr=False)
     joints: tuple[str, ...]
     seen: Mask = field(repr=False)
-    filled: float = 0.0
+    gaps: Mask = field(repr=False)
     whole: bool = True
 
 
@@ -256,8 +256,8 @@ def _like(pairs: list[tuple[str, str]], words: re.Pattern[str]) -> list[tuple[st
     return [pair for pair in pairs if words.search(plain_name(pair[0]))]
 
 
-def _known(motion: Motion, names: tuple[str, ...]) -> tuple[Mask, float]:
-    """Return when (F,) all of some joints are known, and the share of frames with a gap."""
+def _known(motion: Motion, names: tuple[str, ...]) -> tuple[Mask, Mask]:
+    """Return when (F,) all of some joints are known, and when one had a gap, filled or not."""
     columns = [motion.skeleton.index(name) for name in names]
     missing = np.zeros((len(motion), motion.skeleton.n_joints), bool)
     open_gaps = missing if motion.missing is None else motion.missing
@@ -267,4 +267,4 @@ def _known(motion: Motion, names: tuple[str, ...]) -> tuple[Mask, float]:
     for gap in gaps:
         if gap.point in names:
             gone[gap.start : gap.stop] = True
-    return np.logical_not(open_gaps[:, columns].any(axis=1)), float(gone.mean())
+    return np.logical_not(open_gaps[:, columns].any(axis=1)), gone

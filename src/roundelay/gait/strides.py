@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -129,7 +131,7 @@ def _result(
         ground="belt" if walker.belt else "still",
         backward=walker.backward,
         unit="" if metres is None else "m",
-        notes=tuple(_notes(walker, events, told, metres)),
+        notes=tuple(_notes(walker, events, told, spans, metres)),
         level=options.level,
         fps=motion.fps,
         name=motion.name,
@@ -154,7 +156,8 @@ def _gait(known: Timeline, feet: list[Foot]) -> Spans:
     joints = {joint for foot in feet for joint in foot.joints}
     walks = [each.spans for each in known.cyclic if joints & set(each.joints)]
     if not walks:
-        why = known.reason or "what repeats is none of the legs'"
+        # What else the reason advises is for loops.
+        why = known.reason.partition("; ")[0] or "what repeats is none of the legs'"
         raise NoPeriod(f"no gait found: {why}; --everywhere looks for steps in all frames")
     return Spans.union(sorted(span for spans in walks for span in spans))
 
@@ -204,16 +207,20 @@ def _difference(left: str, right: str, one: Spread, other: Spread) -> Difference
 
 
 def _notes(
-    walker: Walker, events: list[StepEvent], told: list[Stride], metres: float | None
+    walker: Walker,
+    events: list[StepEvent],
+    told: list[Stride],
+    spans: Spans,
+    metres: float | None,
 ) -> list[str]:
     notes = []
     for foot in walker.feet:
         strides_seen = sum(stride.foot == foot.name for stride in told)
-        names = ", ".join(foot.joints)
-        if foot.filled > STEPS.unseen:
+        missing = float(foot.gaps[spans.frames].mean())
+        if missing > STEPS.unseen:
             notes.append(
-                f"{foot.name}: {names} missing in {foot.filled:.0%} of the frames; its steps are "
-                "told from what was filled"
+                f"{foot.name}: {', '.join(foot.joints)} missing in {missing:.0%} of the frames; "
+                "its steps are told from what was filled"
             )
         if not any(one.foot == foot.name for one in events):
             notes.append(f"{foot.name}: never comes down, no step told")
@@ -223,6 +230,19 @@ def _notes(
             notes.append(f"{foot.name}: one stride, no spread and no interval")
         elif strides_seen < SPREAD.fewest:
             notes.append(f"{foot.name}: {strides_seen} strides, too few for an interval")
+    for left, right in zip(walker.feet[::2], walker.feet[1::2], strict=True):
+        if _together(events, left.name, right.name):
+            notes.append(f"{left.name} and {right.name} come down together: jumps, not steps")
     if metres is None:
         notes.append("lengths are in the file's unit: it tells no unit and is no person's size")
     return notes
+
+
+def _together(events: list[StepEvent], left: str, right: str) -> bool:
+    """Tell whether two feet come down at about the same phase of their strides."""
+    own, other = (
+        [one.frame for one in events if (one.foot, one.kind) == (foot, "strike")]
+        for foot in (left, right)
+    )
+    phases = [(x - a) / (b - a) for a, b in pairwise(own) for x in other if a <= x < b]
+    return bool(phases) and float(np.median([min(x, 1 - x) for x in phases])) < STEPS.together

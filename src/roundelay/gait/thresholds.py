@@ -57,6 +57,11 @@ class _Steps(Thresholds):
         origin="a moment by speed farther from that by place is none; Zeni's is early by up to "
         "60 ms on the plates",
     )
+    together: float = constant(
+        0.15,
+        unit="share of a stride",
+        origin="feet that come down so near to each other jump; " + BY_EYE,
+    )
     unseen: float = constant(
         0.5, unit="share of the frames", origin="a foot that is seen less is told; " + BY_EYE
     )

@@ -76,3 +76,18 @@ def test_what_is_missing_is_said_in_one_line(walk, tmp_path):
     assert "no skeleton: a person needs" in said
     assert "convert --points" in said
     assert not (tmp_path / "few.bvh").exists()
+
+
+@pytest.mark.filterwarnings("ignore::roundelay.base.errors.GapsFilled")
+def test_gaps_stay_gaps_between_formats_of_points(trc, tmp_path):
+    points = rl.read_points(trc)
+    missing = points.missing.copy()
+    missing[5:9, 2] = True
+    holed, target = tmp_path / "holed.trc", tmp_path / "holed.c3d"
+    rl.write(rl.Points(points.names, points.positions, 30.0, missing=missing, units="mm"), holed)
+    result = runner.invoke(app, ["convert", str(holed), str(target), "--frames", "2:20"])
+    assert result.exit_code == 0, result.output
+    assert np.array_equal(rl.read_points(target).missing, missing[2:20])
+    result = runner.invoke(app, ["convert", str(holed), str(target), "--max-gap", "1"])
+    assert result.exit_code == 0, result.output
+    assert not rl.read_points(target).missing.any()

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import importlib.util
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import roundelay as rl
-from roundelay.formats import animals
+from roundelay.formats import animals, apart
 from roundelay.formats.registry import contents_of
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
@@ -39,8 +40,8 @@ def test_a_process_that_ends_badly_is_one_error(tmp_path, monkeypatch, code, tol
     """As native code does that a broken file brings down."""
     (tmp_path / "badly_ending.py").write_text(code)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    monkeypatch.setattr(animals, "_CHILD", "badly_ending")
-    monkeypatch.setattr(animals, "_SECONDS", 2.0)
+    monkeypatch.setattr(animals, "_MOVEMENT", replace(animals._MOVEMENT, child="badly_ending"))
+    monkeypatch.setattr(apart, "_SECONDS", 2.0)
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: object())
     (tmp_path / "a.h5").write_bytes(MAGIC)
     with pytest.raises(rl.FormatError, match=told):

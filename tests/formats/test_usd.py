@@ -18,7 +18,7 @@ def walk():
 
 
 def test_without_the_library_the_extra_is_named(tmp_path, walk, monkeypatch):
-    monkeypatch.setattr("roundelay.formats.usd.importlib.util.find_spec", lambda name: None)
+    monkeypatch.setattr("roundelay.formats.apart.importlib.util.find_spec", lambda name: None)
     (tmp_path / "a.usda").write_text("#usda 1.0")
     with pytest.raises(rl.FormatError, match=r"found none: install roundelay\[usd\]"):
         rl.read(tmp_path / "a.usda")

@@ -1,21 +1,17 @@
 """Read keypoints of animals from HDF5 files of DeepLabCut and SLEAP, by the library `movement`.
 
-It runs in a process of its own, with limits: what lies below it is native code that a broken file
-may bring down. It comes with the extra ``animals``.
+It comes with the extra ``animals`` and runs in a process of its own, see `roundelay.formats.apart`.
 """
 
 from __future__ import annotations
 
-import importlib.util
-import subprocess
-import sys
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
 from roundelay.base.errors import FormatError
 from roundelay.base.files import content
+from roundelay.formats.apart import Library, read_apart
 from roundelay.formats.arrays import NpzReader
 from roundelay.formats.contents import Contents
 from roundelay.formats.options import ReadOptions
@@ -33,9 +29,13 @@ from roundelay.motion.points import Points
 __all__ = ["AnimalsReader"]
 
 _MAGIC = b"\x89HDF\r\n\x1a\n"
-_CHILD = "roundelay.formats.animals_child"
-# Of the process that reads; its libraries alone take some ten to load.
-_SECONDS = 300.0
+_MOVEMENT = Library(
+    name="movement",
+    module="movement",
+    extra="animals",
+    child="roundelay.formats.animals_child",
+    holds="keypoints of DeepLabCut or SLEAP",
+)
 
 
 class AnimalsReader(ChoosesPoints):
@@ -99,21 +99,6 @@ def _read_apart(path: Path) -> Points:
     data = content(path)
     if not data.startswith(_MAGIC):
         raise FormatError("expected an HDF5 file, found another, at byte 0", path=path)
-    if importlib.util.find_spec("movement") is None:
-        told = "expected the library movement to read it, found none"
-        raise FormatError(f"{told}: install roundelay[animals]", path=path)
     suffix = ".slp" if ".slp" in path.suffixes else ".h5"
-    with tempfile.TemporaryDirectory() as folder:
-        given, made = Path(folder) / f"given{suffix}", Path(folder) / "read.npz"
-        given.write_bytes(data)
-        command = [sys.executable, "-m", _CHILD, str(given), str(made)]
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=_SECONDS)
-        except subprocess.TimeoutExpired:
-            told = f"expected a file that is read in {_SECONDS:g} s, found one that takes longer"
-            raise FormatError(told, path=path) from None
-        if done.returncode or not made.exists():
-            lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
-            told = f"expected keypoints of DeepLabCut or SLEAP, found: {lines[-1]}"
-            raise FormatError(told, path=path)
-        return NpzReader().read_points(made)
+    with read_apart(_MOVEMENT, path, data, suffix) as found:
+        return NpzReader().read_points(found)

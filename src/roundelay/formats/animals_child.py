@@ -5,35 +5,19 @@ Usage: python -m roundelay.formats.animals_child FILE NPZ
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-__all__ = ["main"]
+from roundelay.formats.apart import answer
 
-# Bytes.
-_MEMORY = 8 << 30
+__all__ = ["main"]
 
 
 def main() -> None:
-    """Read the file and write what it holds; the last line of standard error says what is wrong."""
-    given, written = map(Path, sys.argv[1:])
-    _limit_memory()
-    try:
-        np.savez(written, **_read(given))
-    except Exception as error:
-        told = " ".join(str(error).split()) or type(error).__name__
-        sys.exit(told[:500])
-
-
-def _limit_memory() -> None:
-    try:
-        import resource
-    except ImportError:  # not on Windows
-        return
-    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+    """Read the file and write what it holds; see `roundelay.formats.apart.answer`."""
+    answer(_read)
 
 
 def _read(path: Path) -> dict[str, Any]:

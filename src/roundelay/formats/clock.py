@@ -16,6 +16,7 @@ from roundelay.base.errors import FormatError, RoundelayWarning
 __all__ = ["NEAR", "Clock", "common_clock"]
 
 Array = NDArray[np.float64]
+Places = NDArray[np.intp]
 
 NEAR = 0.02
 """Steps by which a key may miss its frame."""
@@ -47,6 +48,30 @@ class Clock:
 
     times: Array
     step: float
+
+    def between(self, keys: Array) -> tuple[Places, Places, Array, Array]:
+        """Return between which of some keys each time lies, and how far.
+
+        Parameters
+        ----------
+        keys : (n,) ndarray
+            Seconds, rising; a key that a time misses by a little is met.
+
+        Returns
+        -------
+        before, after : (F,) ndarray of int
+            Alike beyond the ends.
+        gap : (F,) ndarray
+            Seconds from one to the other; 1 beyond the ends.
+        part : (F,) ndarray
+            From 0 to 1.
+        """
+        last = len(keys) - 1
+        late = self.times + NEAR * self.step
+        before = np.clip(np.searchsorted(keys, late, "right") - 1, 0, last)
+        after = np.minimum(before + 1, last)
+        gap = np.where(after > before, keys[after] - keys[before], 1.0)
+        return before, after, gap, np.clip((self.times - keys[before]) / gap, 0.0, 1.0)
 
 
 def common_clock(

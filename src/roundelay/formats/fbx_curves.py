@@ -9,7 +9,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.formats.clock import NEAR, Clock
+from roundelay.formats.clock import Clock
 from roundelay.formats.fbx_elements import Element
 
 __all__ = ["Curve", "read_curve", "read_old_curve"]
@@ -64,12 +64,7 @@ class Curve:
 
     def at(self, clock: Clock) -> Array:
         """Return the values (F,) at the times of a clock."""
-        keys, last = self.times, len(self.times) - 1
-        late = clock.times + NEAR * clock.step
-        before = np.clip(np.searchsorted(keys, late, "right") - 1, 0, last)
-        after = np.minimum(before + 1, last)
-        gap = np.where(after > before, keys[after] - keys[before], 1.0)
-        part = np.clip((clock.times - keys[before]) / gap, 0.0, 1.0)
+        before, after, gap, part = clock.between(self.times)
         first, second = self.values[before], self.values[after]
         result = first + part * (second - first)
         curved = self.cubic[before] & (after > before)

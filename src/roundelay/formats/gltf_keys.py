@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.formats.clock import NEAR, Clock
+from roundelay.formats.clock import Clock
 from roundelay.formats.gltf_document import Document, Part
 from roundelay.geometry import rotations as rot
 
@@ -54,12 +54,7 @@ class Track:
         FormatError
             If a rotation vanishes between two keys.
         """
-        keys, last = self.times, len(self.times) - 1
-        late = clock.times + NEAR * clock.step
-        before = np.clip(np.searchsorted(keys, late, "right") - 1, 0, last)
-        after = np.minimum(before + 1, last)
-        gap = np.where(after > before, keys[after] - keys[before], 1.0)
-        part = np.clip((clock.times - keys[before]) / gap, 0.0, 1.0)
+        before, after, gap, part = clock.between(self.times)
         if self.mode == "STEP":
             return self.shown[before]
         if self.mode == "CUBICSPLINE":

@@ -1,16 +1,12 @@
 """Read and write USD: a skeleton of UsdSkel and its animation, by the library usd-core.
 
-It comes with the extra ``usd``. Files are read in a process of its own, with limits: what lies
-below the library is native code that a broken file may bring down.
+It comes with the extra ``usd``. Files are read in a process of its own, see
+`roundelay.formats.apart`.
 """
 
 from __future__ import annotations
 
-import importlib.util
 import re
-import subprocess
-import sys
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +16,7 @@ from numpy.typing import NDArray
 
 from roundelay.base.errors import FormatError
 from roundelay.base.files import content, name_of, written_beside
+from roundelay.formats.apart import Library, read_apart
 from roundelay.formats.arrays import arrays_of
 from roundelay.formats.contents import Contents
 from roundelay.formats.nodes import Tree, called, different, listed, note
@@ -33,8 +30,13 @@ __all__ = ["UsdReader", "UsdWriter"]
 
 Array = NDArray[np.float64]
 
-_CHILD = "roundelay.formats.usd_child"
-_SECONDS = 300.0
+_LIBRARY = Library(
+    name="usd-core",
+    module="pxr",
+    extra="usd",
+    child="roundelay.formats.usd_child",
+    holds="a USD with an animated skeleton",
+)
 _KINDS = dict.fromkeys(("rest", "local", "world", "step", "metres"), "f") | {"parents": "i"}
 _KINDS |= dict.fromkeys(("skeletons", "joints", "up"), "U")
 _SUFFIXES = (".usda", ".usdc", ".usd", ".usdz")
@@ -94,30 +96,9 @@ def _read_apart(path: Path, character: str) -> dict[str, NDArray[Any]]:
     FormatError
         If there is no usd-core, or it cannot read the file, dies or takes too long.
     """
-    data = content(path)
-    _require_library(path)
     suffix = next((one for one in _SUFFIXES if one in path.suffixes), ".usd")
-    with tempfile.TemporaryDirectory() as folder:
-        given, made = Path(folder) / f"given{suffix}", Path(folder) / "read.npz"
-        given.write_bytes(data)
-        command = [sys.executable, "-m", _CHILD, str(given), str(made), character]
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=_SECONDS)
-        except subprocess.TimeoutExpired:
-            told = f"expected a file that is read in {_SECONDS:g} s, found one that takes longer"
-            raise FormatError(told, path=path) from None
-        if done.returncode or not made.exists():
-            lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
-            # The library says where in itself it failed, and then why.
-            told = lines[-1].replace(str(given), "the file").rpartition(" : ")[2]
-            raise FormatError(f"expected a USD with an animated skeleton, found: {told}", path=path)
+    with read_apart(_LIBRARY, path, content(path), suffix, [character]) as made:
         return arrays_of(made, _KINDS)
-
-
-def _require_library(path: Path) -> None:
-    if importlib.util.find_spec("pxr") is None:
-        told = "expected the library usd-core for this format, found none"
-        raise FormatError(f"{told}: install roundelay[usd]", path=path)
 
 
 def _motion(path: Path, arrays: dict[str, NDArray[Any]]) -> Motion:
@@ -195,7 +176,7 @@ class UsdWriter:
         OSError
             If the file cannot be written.
         """
-        _require_library(path)
+        _LIBRARY.require(path)
         with written_beside(path) as part:
             _save(motion, part)
 

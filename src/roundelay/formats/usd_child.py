@@ -5,37 +5,20 @@ Usage: python -m roundelay.formats.usd_child FILE NPZ SKELETON, "-" for the firs
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from roundelay.formats.apart import answer
 from roundelay.formats.clock import common_clock
 
 __all__ = ["main"]
 
-# Bytes.
-_MEMORY = 8 << 30
-
 
 def main() -> None:
-    """Read the file and write what it holds; the last line of standard error says what is wrong."""
-    given, written, skeleton = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]
-    _limit_memory()
-    try:
-        np.savez(written, **_read(given, skeleton))
-    except Exception as error:
-        told = " ".join(str(error).split()) or type(error).__name__
-        sys.exit(told[:500])
-
-
-def _limit_memory() -> None:
-    try:
-        import resource
-    except ImportError:  # not on Windows
-        return
-    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+    """Read the file and write what it holds; see `roundelay.formats.apart.answer`."""
+    answer(_read)
 
 
 def _read(path: Path, wanted: str) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from roundelay.geometry.skeleton import Skeleton
 from roundelay.geometry.symmetry import facing, sides
 from roundelay.loops.units import Lengths
 from roundelay.motion.motion import Motion
+from roundelay.motion.points import METRES
 
 if TYPE_CHECKING:
     from roundelay.loops.options import LoopOptions
@@ -26,7 +27,6 @@ Array = NDArray[np.float64]
 
 _AXES: dict[str | None, int] = {"y": 1, "z": 2}
 # Metres of the units that lengths can be written in.
-_METRES: dict[str | None, float] = {"m": 1.0, "cm": 1 / 100}
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ def placement(cycle: Cycle, written: LoopOptions) -> Placement:
     Lengths whose unit is not known stay as they are.
     """
     metres = Lengths.of(cycle.skeleton, written.resize).metres
-    wanted = _METRES.get(written.unit)
+    wanted = METRES.get(written.unit or "file")
     scale = metres / wanted if metres and wanted else 1.0
     up = _AXES.get(written.up, cycle.up)
     axes = rot.multiply(rot.conjugate(rot.axis_to_y(up)), rot.axis_to_y(cycle.up))

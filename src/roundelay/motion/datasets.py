@@ -45,9 +45,7 @@ def points_of_dataset(
     ValueError
         If the dataset is laid out otherwise, there is no such individual, or no rate is known.
     """
-    positions = dataset if hasattr(dataset, "dims") and hasattr(dataset, "values") else None
-    if positions is None or callable(getattr(dataset, "values", None)):
-        positions = _variable(dataset, "position")
+    positions = _positions(dataset)
     people = [str(name) for name in _labels(positions, "individuals")]
     axes = ("individuals", *_AXES) if "individuals" in positions.dims else _AXES
     _check(positions, axes)
@@ -98,12 +96,14 @@ def dataset_of_points(points: Points) -> Any:
     )
 
 
-def _variable(dataset: Any, name: str) -> Any:
-    try:
-        return dataset[name]
-    except (KeyError, TypeError, IndexError):
+def _positions(dataset: Any) -> Any:
+    """Return the array of positions: the one given, or the dataset's."""
+    if hasattr(dataset, "dims") and not hasattr(dataset, "data_vars"):
+        return dataset
+    if "position" not in getattr(dataset, "data_vars", ()):
         asked = "a dataset of xarray with a variable 'position'"
-        raise ValueError(f"expected {asked}, found {type(dataset).__name__}") from None
+        raise ValueError(f"expected {asked}, found {type(dataset).__name__}")
+    return dataset["position"]
 
 
 def _check(positions: Any, axes: Sequence[str]) -> None:

@@ -97,11 +97,11 @@ def outliers(positions: Array, seen: Mask, size: float) -> Mask:
     jumped = np.zeros(seen.shape, bool)
     for point in range(seen.shape[1]):
         frames = np.flatnonzero(seen[:, point])
-        jumped[frames[_jumping(positions[frames, point], frames, size)], point] = True
+        jumped[frames[_jumping(positions[frames, point], size)], point] = True
     return jumped
 
 
-def _jumping(path: Array, frames: NDArray[np.intp], size: float) -> Mask:
+def _jumping(path: Array, size: float) -> Mask:
     """Tell which places of a path (n, d) lie far off the median of their neighbours.
 
     The median of a window of the frames to either side, mirrored at the ends.

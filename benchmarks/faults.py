@@ -55,7 +55,7 @@ TARGETS = (
     Target("other_exceptions", "<=", 0, "tracebacks, and exit codes that say nothing"),
 )
 # Of these the time of writing is part.
-DATED = {"library.json", "clips.jsonl"}
+DATED = {"library.json", "clips.jsonl", "library.duckdb", "runs.parquet"}
 
 
 class Ledger:
@@ -111,7 +111,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def _undated(path: Path) -> bytes:
-    if path.suffix == ".jsonl":
+    if path.suffix != ".json":
         return b""
     record = json.loads(path.read_bytes())
     for name in ("written", "crc32", "summary", "clips", "groups", "checksums"):

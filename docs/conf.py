@@ -39,6 +39,7 @@ autodoc_typehints = "none"
 exclude_patterns = [
     "_made/benchmarks.md",
     "_made/options.md",
+    "_made/schema.md",
     "_made/thresholds.md",
     "_made/tree.md",
 ]
@@ -173,9 +174,10 @@ def _moved(row: dict[str, Any] | None) -> str:
 
 def _options(made: Path) -> None:
     """Write the tables of options."""
-    from tables import tables
+    from tables import schema, tables
 
     (made / "options.md").write_text(tables())
+    (made / "schema.md").write_text(schema())
 
 
 def _folders_last(path: Path) -> tuple[str, str]:

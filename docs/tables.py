@@ -12,6 +12,7 @@ from roundelay.base.options import Checked, Declared, choices, declared
 from roundelay.cli import app
 from roundelay.commands.listing import filled
 from roundelay.commands.options import taken_by
+from roundelay.library.schema import TABLES, Table
 
 HEADING = ("option", "command line", "values", "default", "what it does", "taken by")
 
@@ -46,6 +47,20 @@ def _below(kind: type) -> Iterator[type]:
 def tables() -> str:
     """Return a section a dataclass, with a row an option."""
     return "\n".join(line for one in option_classes() for line in _table(one))
+
+
+def schema() -> str:
+    """Return a section a table of a library's catalogue, with a row a column."""
+    return "\n".join(line for table in TABLES for line in _schema(table))
+
+
+def _schema(table: Table) -> list[str]:
+    rows = [
+        (f"`{name}`" + (" (key)" if name in table.key else ""), f"`{kind}`", words)
+        for name, (kind, words) in table.columns.items()
+    ]
+    heading = [f"### {table.name}", "", f"A row is {table.words}.", ""]
+    return [*heading, *map(_line, [("column", "type", "what it holds"), ["---"] * 3, *rows]), ""]
 
 
 def _table(options: type[Checked]) -> list[str]:

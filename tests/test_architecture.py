@@ -23,7 +23,8 @@ def test_the_core_runs_on_numpy_alone():
     """Blender has NumPy and nothing else."""
     code = """
 import sys
-for name in ("scipy", "sklearn", "matplotlib", "rich", "typer", "ezc3d", "ripser", "threadpoolctl"):
+others = "scipy sklearn matplotlib rich typer ezc3d ripser threadpoolctl duckdb usearch"
+for name in others.split():
     sys.modules[name] = None
 import roundelay as rl
 from roundelay import synth

@@ -19,6 +19,7 @@ from roundelay.commands.inspect import inspect
 from roundelay.commands.library import library
 from roundelay.commands.listing import filled
 from roundelay.commands.loop import loop
+from roundelay.commands.query import query
 from roundelay.commands.search import search
 from roundelay.commands.segment import segment
 from roundelay.commands.strides import strides
@@ -84,6 +85,7 @@ for command in (
     vary,
     library,
     search,
+    query,
     check,
     close,
     convert,

@@ -161,7 +161,8 @@ def test_a_line_cut_short_costs_its_clip_only(clips, tmp_path):
     folder = tmp_path / "library"
     first = written(rl.build_library(clips, folder, jobs=1))
     log = folder / "clips.jsonl"
-    log.write_text(log.read_text()[:-100])
+    text = log.read_text()
+    log.write_text(text[: text.rindex('{"crc32"') - 100])
     with pytest.warns(rl.RoundelayWarning, match="library: mended: damaged records: 1$"):
         again = rl.build_library(clips, folder, jobs=1)
     second = written(again)

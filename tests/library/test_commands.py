@@ -27,7 +27,8 @@ def test_a_library_of_a_folder(clips, tmp_path):
     assert "clips: 3, loops: 2, groups: 1, refused: 1" in result.stdout
     assert result.stderr == "roundelay: broken.bvh:1:1: expected HIERARCHY, found 'no'\n"
     names = {path.name for path in folder.iterdir()}
-    assert names == {"clips.jsonl", "cycles.csv", "library.json", "loops", "signatures.npz"}
+    tables = {"cycles.csv", "library.duckdb", "tables"}
+    assert names == tables | {"clips.jsonl", "library.json", "loops", "signatures.npz"}
     again = run("library", clips, "-o", folder, "--jobs", 1, "--fps", 30, "--json")
     assert json.loads(again.stdout)["summary"]["loops"] == 2
 

@@ -22,12 +22,17 @@ from roundelay.base.locks import locked
 from roundelay.library.log import Log
 from roundelay.library.sealed import checksum, sealed, unsealed
 
-FILES = ("clips.jsonl", "library.json", "cycles.csv", "signatures.npz", "loops/a.bvh/a_loop.bvh")
+FILES = (
+    *("clips.jsonl", "library.json", "cycles.csv", "signatures.npz", "library.duckdb"),
+    *("tables/cycles.parquet", "tables/runs.parquet", "loops/a.bvh/a_loop.bvh"),
+)
+DATED = ("library.json", "clips.jsonl", "library.duckdb", "runs.parquet")
 
 
 def told_of(library: rl.Library) -> dict:
-    """All that a library tells, but for when it was written, which its checksum depends on."""
-    return {name: value for name, value in library.record.items() if name != "written"}
+    """All that a library tells, but for when it was written, which checksums depend on."""
+    dated = ("written", "checksums")
+    return {name: value for name, value in library.record.items() if name not in dated}
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -35,7 +40,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {
         path.relative_to(folder).as_posix(): path.read_bytes()
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and path.name not in ("library.json", "clips.jsonl")
+        if path.is_file() and path.name not in DATED
     }
 
 
@@ -135,7 +140,9 @@ def test_a_file_in_the_way_is_named(source, tmp_path):
     assert built(source, tmp_path).summary["loops"] == 1
 
 
-@pytest.mark.parametrize("name", ["library.json", "cycles.csv", "signatures.npz", "clips.jsonl"])
+@pytest.mark.parametrize(
+    "name", ["library.json", "cycles.csv", "signatures.npz", "clips.jsonl", "library.duckdb"]
+)
 def test_a_folder_of_something_else_is_refused(source, tmp_path, name):
     (tmp_path / name).write_text("mine")
     with pytest.raises((FileExistsError, rl.FormatError), match="expected a library"):
@@ -145,12 +152,33 @@ def test_a_folder_of_something_else_is_refused(source, tmp_path, name):
 
 
 def test_a_library_of_a_later_version_is_refused(source, copy):
-    line = sealed({"claim": ["b.bvh", [], []]}).replace(b'"format": 2', b'"format": 9')
-    rest = line[21:]
-    line = b'{"crc32": "' + checksum(rest).encode() + b'",' + rest
-    (copy / "clips.jsonl").write_bytes(line + b"\n")
-    with pytest.raises(rl.FormatError, match="expected a library of format 2, found 9"):
+    (copy / "clips.jsonl").write_bytes(of_format(9, sealed({"claim": ["b.bvh", [], []]})) + b"\n")
+    with pytest.raises(rl.FormatError, match="expected a library of format 3, found 9"):
         built(source, copy)
+
+
+def of_format(number: int, line: bytes) -> bytes:
+    """Return a sealed record as if it were of another format."""
+    rest = line[21:].replace(b'"format": 3', f'"format": {number}'.encode())
+    return b'{"crc32": "' + checksum(rest).encode() + b'",' + rest
+
+
+def test_a_library_of_an_older_version_is_made_anew(library, source, copy):
+    log, record = copy / "clips.jsonl", copy / "library.json"
+    lines = log.read_bytes().splitlines()
+    log.write_bytes(b"\n".join(of_format(2, line) for line in lines if b'"run"' not in line))
+    record.write_bytes(of_format(2, record.read_bytes()))
+    mine = copy / "loops/a.bvh/a_loop2.bvh"
+    mine.write_text("mine")
+    with pytest.raises(rl.FormatError, match="format 2, not 3; run roundelay library again"):
+        rl.Library.open(copy)
+    with pytest.warns(rl.RoundelayWarning, match="made anew, of an older format"):
+        again = rl.build_library(source, copy, jobs=1)
+    assert told_of(again) == told_of(library)
+    assert mine.read_text() == "mine"
+    mine.unlink()
+    assert contents(copy) == contents(library.folder)
+    assert not Log(copy).older
 
 
 def test_a_crash_between_claim_and_entry(library, source, copy):
@@ -169,7 +197,7 @@ def test_a_crash_between_claim_and_entry(library, source, copy):
 
 def test_a_seal_tells_every_change():
     line = sealed({"a": "ä", "b": [1.5, None]})
-    told = {"crc32": line[11:19].decode(), "format": 2}
+    told = {"crc32": line[11:19].decode(), "format": 3}
     assert unsealed(line) == told | {"a": "ä", "b": [1.5, None]}
     for at in range(len(line)):
         assert unsealed(line[:at]) is None

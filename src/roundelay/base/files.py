@@ -35,7 +35,7 @@ _MOST = 1 << 31
 # Bytes of a generated name: file systems take 255, some with encryption 143; a temporary name, a
 # number and a suffix must fit, too.
 _LONGEST_NAME = 120
-_PART = re.compile(r"\.[0-9a-f]{16}\.part(\.\w+)?")
+_PART = re.compile(r"\.[0-9a-f]{16}\.part(\.\w+){0,2}")
 _KINDS = {
     stat.S_IFIFO: "a named pipe",
     stat.S_IFCHR: "a device",

@@ -150,6 +150,23 @@ class Spectra:
             self.reflections,
         )
 
+    def vectors(self) -> NDArray[np.float32]:
+        """Return vectors (n, 12 J) that are the same wherever a cycle begins, mirrored or not.
+
+        They are no farther apart than the cycles by `least_distances`: of the halves of a cycle
+        that mirroring keeps and turns round, the means and the strength of the movement.
+        """
+        other = self.mirrored()
+        parts = []
+        for means, waves in (
+            (self.means + other.means, self.waves + other.waves),
+            (np.abs(self.means - other.means), self.waves - other.waves),
+        ):
+            strength = np.sqrt(2.0 * np.sum(np.abs(waves) ** 2, axis=1))
+            parts += [means, strength]
+        joined = 0.5 * np.concatenate(parts, axis=1).reshape(len(self), -1)
+        return np.asarray(joined / np.sqrt(1 + len(self.body.joints)), np.float32)
+
 
 def _harmonics(cycle: Cycle) -> NDArray[np.complex128]:
     """Mean and harmonics (1 + H, J, 3) of the positions of all joints but the root."""

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import closing
+import time
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import asdict
 from datetime import UTC, datetime
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from roundelay.base.checks import as_path, chosen
-from roundelay.base.errors import FormatError
+from roundelay.base.errors import FormatError, RoundelayWarning
 from roundelay.base.locks import locked
 from roundelay.base.progress import Progress, report
 from roundelay.base.threads import one_thread
@@ -19,9 +22,11 @@ from roundelay.base.version import __version__
 from roundelay.library.captures import LOOPS, find_captures
 from roundelay.library.catalogue import Library
 from roundelay.library.clips import Clip, late_clip, lost_clip, made_entry
+from roundelay.library.database import database_files, has_duckdb, write_database
 from roundelay.library.groups import group_records, grouped, labelled
 from roundelay.library.log import Log
 from roundelay.library.mending import claimed, is_done, is_intact, opened, tell_mended
+from roundelay.library.schema import source_of
 from roundelay.library.store import (
     SIGNATURES,
     TABLE,
@@ -118,11 +123,35 @@ def build_library(
             return current
         tell_mended(folder, log, todo)
         log.renew(clip.name for clip in todo)
+        jobs = jobs or os.cpu_count() or 1
         try:
-            _do(todo, log, jobs or os.cpu_count() or 1, limits, progress, tell)
+            with _run(log, todo, options, jobs):
+                _do(todo, log, jobs, limits, progress, tell)
         finally:
             _write(list(captures), log, unread, passed, folder)
         return Library.open(folder)
+
+
+@contextmanager
+def _run(log: Log, todo: Sequence[Clip], options: LoopOptions, jobs: int) -> Iterator[None]:
+    """Note what a run did, also one that was interrupted."""
+    began, started = datetime.now(UTC).isoformat(), time.monotonic()
+    try:
+        yield
+    finally:
+        done = [log.entries[clip.name] for clip in todo if clip.name in log.entries]
+        if done:
+            log.add_run(
+                {
+                    "began": began,
+                    "seconds": round(time.monotonic() - started, 3),
+                    "roundelay": __version__,
+                    "options": asdict(options),
+                    "clips": len(done),
+                    "refused": sum(entry.record["error"] is not None for entry in done),
+                    "jobs": jobs,
+                }
+            )
 
 
 def _rooted(source: Path) -> Path:
@@ -144,7 +173,9 @@ def _current(
     told = library.record
     same = [clip["file"] for clip in library.clips] == names and told["unread"] == unread
     same = same and told.get("passed_over") == passed
-    return library if same and is_intact(folder, TABLE, library.record["checksums"]) else None
+    beside = (TABLE, *database_files())
+    whole = all(is_intact(folder, name, told["checksums"]) for name in beside)
+    return library if same and whole else None
 
 
 def _do(
@@ -186,7 +217,10 @@ def _write(
     entries = [log.entries[name] for name in names if name in log.entries]
     shelves = shelved(entries)
     labels, examples = grouped(shelves)
-    clips = labelled([entry.record for entry in entries], labels)
+    clips = [
+        {name: value for name, value in clip.items() if name != "strides"}
+        for clip in labelled([entry.record for entry in entries], labels)
+    ]
     record: dict[str, Any] = {
         "roundelay": __version__,
         "written": datetime.now(UTC).isoformat(),
@@ -206,4 +240,9 @@ def _write(
     }
     write_shelves(shelves, folder / SIGNATURES)
     write_table(clips, folder / TABLE)
-    write_catalogue(record, folder)
+    if has_duckdb():
+        write_database(source_of(clips, entries, log.runs), folder)
+    else:
+        told = "DuckDB is not installed: no tables for other programs are written"
+        warnings.warn(f"{told}; pip install duckdb", RoundelayWarning, stacklevel=2)
+    write_catalogue(record, folder, (SIGNATURES, TABLE, *database_files()))

@@ -15,7 +15,7 @@ from roundelay.base.errors import FormatError, SkeletonMismatch
 from roundelay.base.threads import one_thread
 from roundelay.compare.spectra import Spectra, least_distances
 from roundelay.cycles.cycle import Cycle
-from roundelay.library.sealed import FORMAT, checksum_of
+from roundelay.library.sealed import FORMAT, OLDER, checksum_of
 from roundelay.library.store import CATALOGUE, SIGNATURES, Shelf, read_catalogue, read_shelves
 
 __all__ = ["Library", "Match"]
@@ -131,6 +131,8 @@ def _intact(folder: Path) -> dict[str, Any]:
     record = read_catalogue(folder)
     if record is None:
         raise ValueError(f"a damaged {CATALOGUE}; run roundelay library again")
+    if record["format"] in OLDER:
+        raise ValueError(f"format {record['format']}, not {FORMAT}; run roundelay library again")
     if record["format"] != FORMAT:
         raise ValueError(f"format {record['format']}, not {FORMAT}; use the roundelay that made it")
     if record["checksums"][SIGNATURES] != checksum_of(folder / SIGNATURES):

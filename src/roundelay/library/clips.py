@@ -26,6 +26,7 @@ from roundelay.base.files import fitting, name_of
 from roundelay.base.version import __version__
 from roundelay.compare.spectra import Spectra
 from roundelay.formats import files_of, files_written, read
+from roundelay.gait.strides import strides
 from roundelay.library.captures import LOOPS
 from roundelay.library.log import Entry
 from roundelay.library.sealed import checksum_of
@@ -168,6 +169,7 @@ def _analysed(clip: Clip, motion: Motion) -> tuple[dict[str, Any], Spectra | Non
         "joints": motion.skeleton.n_joints,
         "segments": _segments(motion, told),
         "cycles": [_written(clip, *numbered) for numbered in enumerate(loops, 1)],
+        "strides": _strides(motion, told),
         "reason": reason,
         "error": None,
         "files": {name: checksum_of(clip.folder / name) for name in _files(clip, len(loops))},
@@ -194,7 +196,8 @@ def _refused(clip: Clip, error: Exception, stamp: dict[str, Any] | None) -> Entr
     # An error of the format begins with the file and the line.
     named = reason.removeprefix(str(clip.path))
     line = f"{clip.name}: {reason}" if named == reason else f"{clip.name}{named}"
-    record = {"file": clip.name, "frames": 0, "seconds": 0.0, "segments": [], "cycles": []}
+    record: dict[str, Any] = {"file": clip.name, "frames": 0, "seconds": 0.0}
+    record |= {"segments": [], "cycles": [], "strides": []}
     left = {name: known for name, known in clip.old.items() if (clip.folder / name).exists()}
     return Entry(record | {"reason": None, "error": line, "files": left}, stamp)
 
@@ -215,6 +218,16 @@ def _segments(motion: Motion, told: Timeline | None) -> list[dict[str, Any]]:
         return []
     kept = ("start_frame", "end_frame", "label")
     return [{key: row[key] for key in kept} for row in found.bouts()]
+
+
+def _strides(motion: Motion, told: Timeline | None) -> list[dict[str, Any]]:
+    """Return the strides of a capture, if it has feet that walk."""
+    if told is None:
+        return []
+    try:
+        return strides(motion, timeline=told).to_dict()["strides"]
+    except RoundelayError:
+        return []
 
 
 def _written(clip: Clip, number: int, loop: Loop) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """The log of a library: what is done, which files are the library's own, one sealed line each.
 
-A line is either the *claim* of a clip, written before its loops are, or its *entry*, written when
-they are done. A claim lists the files of the clip's folder that are not the library's, so that
-after a crash in between it is known which ones are.
+A line is the *claim* of a clip, written before its loops are, its *entry*, written when they are
+done, or what a *run* did. A claim lists the files of the clip's folder that are not the library's,
+so that after a crash in between it is known which ones are.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from roundelay.base.errors import FormatError
 from roundelay.base.files import written_beside
 from roundelay.compare.spectra import Body, Spectra
-from roundelay.library.sealed import FORMAT, SEAL, sealed, unsealed
+from roundelay.library.sealed import FORMAT, OLDER, SEAL, sealed, unsealed
 
 __all__ = ["ARRAYS", "LOG", "Claim", "Entry", "Log"]
 
@@ -82,8 +82,12 @@ class Log:
         The files of clips that are to be done again, with sizes and checksums.
     unfinished : set of str
         Clips that were claimed, and whose process ended before they were done.
+    runs : list of dict
+        What each run did.
     damaged : int
         How many lines are not as they were written; they are left out.
+    older : int
+        How many lines are of an older format.
 
     Raises
     ------
@@ -96,14 +100,15 @@ class Log:
         self.entries: dict[str, Entry] = {}
         self.claims: dict[str, Claim] = {}
         self.files: dict[str, dict[str, Any]] = {}
-        self.damaged = 0
+        self.runs: list[dict[str, Any]] = []
+        self.damaged = self.older = 0
         lines = self.path.read_bytes().split(b"\n") if self.path.exists() else []
         for line in filter(None, lines):
             self._take(unsealed(line))
         if self.damaged and not self.is_known:
             self._refuse(lines[0])
         lost = {name for name, entry in self.entries.items() if entry.stamp is None}
-        self.unfinished = (self.claims.keys() - self.entries.keys()) | lost
+        self.unfinished = (self.claims.keys() - self.entries.keys() - self.files.keys()) | lost
 
     @property
     def is_known(self) -> bool:
@@ -113,9 +118,13 @@ class Log:
     def _take(self, line: dict[str, Any] | None) -> None:
         if line is None:
             self.damaged += 1
+        elif line["format"] in OLDER:
+            self._take_older(line)
         elif line["format"] != FORMAT:
             told = f"expected a library of format {FORMAT}, found {line['format']}"
             raise FormatError(f"{told}; use the roundelay that made it", path=self.path)
+        elif "run" in line:
+            self.runs.append(line["run"])
         elif "claim" in line:
             claim = Claim(*(_plain(part) for part in line["claim"]))
             self.claims[claim.name] = claim
@@ -123,6 +132,19 @@ class Log:
         else:
             entry = _entry(line)
             self.entries[entry.name] = entry
+
+    def _take_older(self, line: dict[str, Any]) -> None:
+        """Keep of an older format which files are the library's; what it knows is found anew."""
+        self.older += 1
+        if "claim" in line:
+            claim = Claim(*(_plain(part) for part in line["claim"]))
+            self.claims[claim.name] = claim
+            self.files.pop(claim.name, None)
+        elif "record" in line:
+            name, files = line["record"]["file"], line["record"]["files"]
+            kept = self.claims[name].kept if name in self.claims else ()
+            self.claims[name] = Claim(name, tuple(files), kept)
+            self.files[name] = files
 
     def _refuse(self, first: bytes) -> None:
         """Refuse a file of another program; what a crash left of the first line is none."""
@@ -145,6 +167,7 @@ class Log:
             part.write_bytes(b"".join(self._lines()))
 
     def _lines(self) -> Iterator[bytes]:
+        yield from map(_run_line, self.runs)
         for claim in self.claims.values():
             yield _claim_line(claim)
             if claim.name in self.entries:
@@ -161,6 +184,11 @@ class Log:
         self.entries[entry.name] = entry
         self._append(_entry_line(entry))
 
+    def add_run(self, run: dict[str, Any]) -> None:
+        """Add what a run did."""
+        self.runs.append(run)
+        self._append(_run_line(run))
+
     def _append(self, line: bytes) -> None:
         """Add a line, on the disk before anything else happens."""
         try:
@@ -171,6 +199,10 @@ class Log:
         except OSError as error:
             error.filename = str(self.path)
             raise
+
+
+def _run_line(run: dict[str, Any]) -> bytes:
+    return sealed({"run": run}) + b"\n"
 
 
 def _claim_line(claim: Claim) -> bytes:

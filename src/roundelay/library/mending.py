@@ -14,6 +14,7 @@ from roundelay.base.errors import RoundelayWarning
 from roundelay.base.files import is_part
 from roundelay.library.captures import LOOPS
 from roundelay.library.clips import Clip
+from roundelay.library.database import PARQUET, database_files
 from roundelay.library.log import Claim, Log
 from roundelay.library.sealed import checksum_of
 from roundelay.library.store import CATALOGUE, SIGNATURES, TABLE, read_catalogue
@@ -34,13 +35,14 @@ def opened(folder: Path) -> Log:
         _refuse_foreign(folder)
     for place, _, files in os.walk(folder / LOOPS):
         _remove_parts(Path(place), files)
-    _remove_parts(folder, os.listdir(folder))
+    for top in (folder, folder / PARQUET):
+        _remove_parts(top, os.listdir(top) if top.is_dir() else ())
     return log
 
 
 def _refuse_foreign(folder: Path) -> None:
     """Refuse a folder that would lose a file of the user's."""
-    for path in (folder / name for name in (CATALOGUE, SIGNATURES, TABLE)):
+    for path in (folder / name for name in (CATALOGUE, SIGNATURES, TABLE, *database_files())):
         if path.exists():
             told = "expected a library or a folder without such a file, found one of no library"
             raise FileExistsError(errno.EEXIST, told, str(path))
@@ -63,6 +65,7 @@ def tell_mended(folder: Path, log: Log, todo: Sequence[Clip]) -> None:
     changed = [clip for clip in todo if clip.name in log.entries and _is_stamped(clip, log)]
     changed = [clip for clip in changed if not _has_files(clip, log)]
     found = [f"damaged records: {log.damaged}"] if log.damaged else []
+    found += ["made anew, of an older format"] if log.older else []
     found += [f"clips whose loops are damaged or gone: {len(changed)}"] if changed else []
     if log.is_known and (folder / CATALOGUE).exists():
         damaged = _damaged(folder)
@@ -77,7 +80,8 @@ def _damaged(folder: Path) -> list[str]:
     if known is None:
         return [CATALOGUE]
     beside = known.get("checksums", {})
-    return [name for name in (SIGNATURES, TABLE) if not is_intact(folder, name, beside)]
+    names = (SIGNATURES, TABLE, *database_files())
+    return [name for name in names if not is_intact(folder, name, beside)]
 
 
 def is_intact(folder: Path, name: str, known: dict[str, Any]) -> bool:

@@ -12,10 +12,15 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-__all__ = ["FORMAT", "SEAL", "checksum", "checksum_of", "sealed", "unsealed"]
+__all__ = ["FORMAT", "OLDER", "SEAL", "checksum", "checksum_of", "sealed", "unsealed"]
 
-FORMAT = 2
-"""The number of the format of a library's files; 1 had neither checksums nor lists of files."""
+FORMAT = 3
+"""The number of the format of a library's files.
+
+1 had neither checksums nor lists of files, 2 neither strides nor runs. Of a library of format 2 it
+is known which files are its own: its clips are done again.
+"""
+OLDER = (2,)
 SEAL = b'{"crc32": "'
 """How every sealed record begins."""
 _STOP = b'",'

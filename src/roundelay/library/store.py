@@ -2,9 +2,10 @@
 
 =================  ================================================================
 ``clips.jsonl``    one line a clip as it was done: see `roundelay.library.log`
-``library.json``   one record a clip, the groups, the sums; checksums of itself and the next two
+``library.json``   one record a clip, the groups, the sums; checksums of itself and the others
 ``cycles.csv``     one row a cycle
 ``signatures.npz`` the cycles' signatures, by body
+``library.duckdb`` the tables for other programs, and ``tables/``: see `roundelay.library.database`
 ``loops/``         the loops, in one folder a clip
 =================  ================================================================
 """
@@ -105,9 +106,9 @@ def read_shelves(path: Path) -> list[Shelf]:
     return shelves
 
 
-def write_catalogue(record: dict[str, Any], folder: Path) -> None:
-    """Write what a library tells of its clips, with checksums of what lies beside it."""
-    beside = {name: checksum_of(folder / name) for name in (SIGNATURES, TABLE)}
+def write_catalogue(record: dict[str, Any], folder: Path, names: Sequence[str]) -> None:
+    """Write what a library tells of its clips, with checksums of the files beside it."""
+    beside = {name: checksum_of(folder / name) for name in names}
     with written_beside(folder / CATALOGUE, durable=True) as part:
         part.write_bytes(sealed(record | {"checksums": beside}, indent=1))
 

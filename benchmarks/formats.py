@@ -1,6 +1,11 @@
-"""Reading and writing BVH and AMC: speed and memory, beside other readers, and what they take.
+"""All kinds of file: speed and memory, beside other readers; what is read right, and what refused.
 
-Usage: python -m benchmarks.formats --data FOLDER [--json] [--keep]
+Usage: python -m benchmarks.formats --data FOLDER [--blenders PYTHONS] [--real FOLDER]
+       [--fuzz FILE ...] [--json] [--keep]
+
+BVH and AMC are measured here. Files of points, points with gaps and skeletons solved from markers
+are measured by `point_formats`, `points` and `markers`, and FBX and glTF, where Pythons with bpy
+are given, by `scenes`, which also says what ``--fuzz`` is: their figures stand in the summary, too.
 
 Every reader runs in this process on the same files; the best of several runs counts, by CPU time.
 Frames per second of reading include what each makes of the numbers: quaternions here, Euler angles
@@ -11,6 +16,7 @@ result, in multiples of the file's size.
 
 from __future__ import annotations
 
+import argparse
 import functools
 import tempfile
 import time
@@ -22,7 +28,7 @@ from pathlib import Path
 from typing import Any
 
 import roundelay as rl
-from benchmarks import sandbox
+from benchmarks import markers, point_formats, points, sandbox, scenes
 from benchmarks._harness import Target, parser, report
 from benchmarks.bvh_samples import BROKEN, VALID, text
 
@@ -36,6 +42,12 @@ TARGETS = (
     Target("fastest", "==", 1, "the fastest reader of all"),
     Target("amc.read", ">=", 30000, "frames of an AMC read in a second"),
     Target("memory_of_the_file", "<=", 8, "most memory of a reading, in sizes of the file"),
+    Target("formats_read", ">=", 20, "suffixes that are read"),
+    Target("malformed_refused", "==", 1, "share of broken files that are refused or told of"),
+    Target("round_trip.worst", "<=", 1e-6, "largest error of a round trip, of the largest place"),
+    Target("points_period", ">=", 0.99, "share of made points whose period is within 2 %"),
+    Target("markers_rms_mm", "<=", 15, "worst walk: markers against those on the skeleton, mm"),
+    *scenes.TARGETS,
 )
 
 
@@ -96,12 +108,41 @@ PEERS = {
 
 
 def main() -> None:
-    arguments = parser(__doc__, data="folder that holds cmu/, bundle/").parse_args()
+    asked = parser(__doc__, data="folder that holds cmu/, bundle/, other/")
+    arguments = scenes.asking(asked, needed=False).parse_args()
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory() as folder:
         result = _measure(arguments.data, Path(folder))
-    told = {"summary": _summary(**result), **result}
-    report("formats", told, TARGETS, arguments, table=_table(result))
+    others = _others(arguments)
+    summary = {**_summary(**result), **_of_all(result["samples"]["roundelay"], others)}
+    told = {"summary": summary, **result, **others}
+    report("formats", told, TARGETS, arguments, table=_table(result), bulk=list(others))
+
+
+def _others(arguments: argparse.Namespace) -> dict[str, dict[str, Any]]:
+    """Measure the other kinds of file."""
+    return {
+        "point_formats": point_formats.measured(arguments.data),
+        "points": points.measured(),
+        "markers": markers.measured(arguments.data),
+        "scenes": scenes.measured(arguments),
+    }
+
+
+def _of_all(samples: dict[str, Any], others: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    """Return the figures of all kinds of file together."""
+    summary = {name: result["summary"] for name, result in others.items()}
+    broken = summary["point_formats"]["malformed_refused"]
+    refused = samples["broken_refused"] + broken["roundelay"] + broken["told"]
+    return {
+        **summary["scenes"],
+        "formats_read": len(summary["scenes"]["formats_read"]),
+        "malformed": len(BROKEN) + broken["files"],
+        "malformed_refused": refused / (len(BROKEN) + broken["files"]),
+        "round_trip": summary["point_formats"]["round_trip"],
+        "points_period": summary["points"]["points_period"],
+        "markers_rms_mm": summary["markers"]["markers_rms_mm"],
+    }
 
 
 def _measure(data: Path, folder: Path) -> dict[str, Any]:

@@ -80,16 +80,17 @@ def main() -> None:
     asked = parser(__doc__, data="folder that holds other/c3d/ and other/trc/")
     arguments = asked.parse_args()
     warnings.simplefilter("ignore")
-    walks = [of_file(arguments.data / "other" / name) for name in WALKS]
-    others = [of_file(arguments.data / "other" / name) for name in OTHERS]
+    result = measured(arguments.data)
+    rows = result["walks"], result["others"], result["made"]
+    report("markers", result, TARGETS, arguments, table=lines(*rows))
+
+
+def measured(data: Path) -> dict[str, Any]:
+    """Solve skeletons of real files below ``data/other``, and of made ones."""
+    walks = [of_file(data / "other" / name) for name in WALKS]
+    others = [of_file(data / "other" / name) for name in OTHERS]
     made = [of_made(*case) for case in CASES]
-    result = {
-        "summary": summary(walks, made),
-        "walks": walks,
-        "others": others,
-        "made": made,
-    }
-    report("markers", result, TARGETS, arguments, table=lines(walks, others, made))
+    return {"summary": summary(walks, made), "walks": walks, "others": others, "made": made}
 
 
 def of_file(path: Path) -> dict[str, Any]:

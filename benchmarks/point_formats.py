@@ -48,25 +48,25 @@ TARGETS = (
 def main() -> None:
     arguments = parser(__doc__, data="folder that holds other/c3d, other/trc").parse_args()
     warnings.simplefilter("ignore")
+    result = measured(arguments.data)
+    report("point_formats", result, TARGETS, arguments, table=_table(result))
+
+
+def measured(data: Path) -> dict[str, Any]:
+    """Measure files of points; `data` holds the real ones."""
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        real = _real(arguments.data / "other")
+        real = _real(data / "other")
         sound = [path for path, told in real.items() if isinstance(told, rl.Points)]
         result = {
             "real": {path.name: _in_words(told) for path, told in real.items()},
-            "frames_per_second": _speeds(folder, arguments.data),
+            "frames_per_second": _speeds(folder, data),
             "round_trips": _round_trips(sound, folder),
             "peers": _peers(sound, folder),
             "broken": _broken(folder),
             "kinds": _kinds(folder),
         }
-    report(
-        "point_formats",
-        {"summary": _summary(**result), **result},
-        TARGETS,
-        arguments,
-        table=_table(result),
-    )
+    return {"summary": _summary(**result), **result}
 
 
 def _real(folder: Path) -> dict[Path, Any]:

@@ -44,6 +44,18 @@ SCENES: tuple[tuple[synth.Gait, Literal[2, 3], float], ...] = (
 
 def main() -> None:
     arguments = parser(__doc__, data=None).parse_args()
+    result = measured()
+    table = (
+        f"{row['take']:12s} period {100 * row['period_off']:6.2f} %, rival "
+        f"{100 * row['rival_off']:7.1f} %, strides {row['strides_off_frames']}, "
+        f"gaps {row['gap_millimetres']:.1f} mm, {row['gap_error']:.2f} of lines"
+        for row in result["rows"]
+    )
+    report("points", result, TARGETS, arguments, table=table)
+
+
+def measured() -> dict[str, Any]:
+    """Measure made takes with gaps and outliers."""
     warnings.simplefilter("ignore", rl.RoundelayWarning)
     rows = list(_rows())
     strides = [off for row in rows for off in row["strides_off_frames"]]
@@ -56,13 +68,7 @@ def main() -> None:
         "gap_error": round(float(np.median([row["gap_error"] for row in rows])), 3),
         "gap_millimetres": round(float(np.median([row["gap_millimetres"] for row in rows])), 1),
     }
-    table = (
-        f"{row['take']:12s} period {100 * row['period_off']:6.2f} %, rival "
-        f"{100 * row['rival_off']:7.1f} %, strides {row['strides_off_frames']}, "
-        f"gaps {row['gap_millimetres']:.1f} mm, {row['gap_error']:.2f} of lines"
-        for row in rows
-    )
-    report("points", {"summary": summary, "rows": rows}, TARGETS, arguments, table=table)
+    return {"summary": summary, "rows": rows}
 
 
 def _share(right: Iterator[bool]) -> float:

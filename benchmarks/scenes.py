@@ -36,15 +36,25 @@ TARGETS = (
 
 
 def main() -> None:
-    asked = parser(__doc__, data=None)
-    asked.add_argument("--blenders", required=True, help="Pythons with bpy, separated by commas")
-    asked.add_argument("--real", type=Path, help="folder of FBX and glTF files by others")
-    asked.add_argument("--fuzz", type=Path, nargs="*", default=[], help="reports of tests.fuzz")
-    arguments = asked.parse_args()
+    arguments = asking(parser(__doc__, data=None)).parse_args()
     warnings.simplefilter("ignore")
-    scenes = _scenes([Path(one) for one in arguments.blenders.split(",")], arguments.real)
-    told = {"summary": _told(scenes, arguments), "scenes": [vars(one) for one in scenes]}
-    report("scenes", told, TARGETS, arguments, table=map(_line, scenes))
+    result = measured(arguments)
+    report("scenes", result, TARGETS, arguments, table=map(_line, result["scenes"]))
+
+
+def asking(parser: argparse.ArgumentParser, *, needed: bool = True) -> argparse.ArgumentParser:
+    """Add the options that say where Blenders, files and reports are."""
+    parser.add_argument("--blenders", required=needed, help="Pythons with bpy, with commas between")
+    parser.add_argument("--real", type=Path, help="folder of FBX and glTF files by others")
+    parser.add_argument("--fuzz", type=Path, nargs="*", default=[], help="reports of tests.fuzz")
+    return parser
+
+
+def measured(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Compare poses with Blender's, and count what the fuzzer found."""
+    pythons = [Path(one) for one in (arguments.blenders or "").split(",") if one]
+    scenes = _scenes(pythons, arguments.real) if pythons else []
+    return {"summary": _told(scenes, arguments.fuzz), "scenes": [vars(one) for one in scenes]}
 
 
 def _scenes(blenders: Sequence[Path], real: Path | None) -> list[Compared]:
@@ -73,26 +83,28 @@ def _animated(folder: Path) -> list[Path]:
     return found
 
 
-def _told(scenes: list[Compared], arguments: argparse.Namespace) -> dict[str, Any]:
+def _told(scenes: list[Compared], fuzz: Sequence[Path]) -> dict[str, Any]:
     """Return the figures of files of scenes and of the fuzzer; none of what was not done."""
-    kinds = {kind: [one for one in scenes if one.kind == kind] for kind in ("fbx", "glb")}
-    told: dict[str, Any] = {
-        "formats_read": list(suffixes_of(readers)),
-        "compared": {kind: len(held) for kind, held in kinds.items()},
-        "equal": {kind: sum(one.equal for one in held) for kind, held in kinds.items()},
-        "poses_equal": sum(one.equal for one in scenes) / len(scenes),
-        "degrees": max(one.degrees for one in scenes if one.equal),
-        "not_equal": [one.file for one in scenes if not one.equal],
-    }
-    fuzzed = [json.loads(path.read_text()) for path in arguments.fuzz]
+    told: dict[str, Any] = {"formats_read": list(suffixes_of(readers))}
+    if scenes:
+        kinds = {kind: [one for one in scenes if one.kind == kind] for kind in ("fbx", "glb")}
+        told |= {
+            "compared": {kind: len(held) for kind, held in kinds.items()},
+            "equal": {kind: sum(one.equal for one in held) for kind, held in kinds.items()},
+            "poses_equal": sum(one.equal for one in scenes) / len(scenes),
+            "degrees": max(one.degrees for one in scenes if one.equal),
+            "not_equal": [one.file for one in scenes if not one.equal],
+        }
+    fuzzed = [json.loads(path.read_text()) for path in fuzz]
     for key in ("fuzz_runs", "other_exceptions", "hangs") if fuzzed else ():
         told[key] = sum(one[key] for one in fuzzed)
     return told
 
 
-def _line(one: Compared) -> str:
-    word = "equal" if one.equal else one.error or "NOT EQUAL"
-    return f"  {one.file:44}{one.joints:5}{one.poses:5}{one.degrees:9.4f}{one.height:10.6f}  {word}"
+def _line(one: dict[str, Any]) -> str:
+    word = "equal" if Compared(**one).equal else one["error"] or "NOT EQUAL"
+    numbers = f"{one['joints']:5}{one['poses']:5}{one['degrees']:9.4f}{one['height']:10.6f}"
+    return f"  {one['file']:44}{numbers}  {word}"
 
 
 if __name__ == "__main__":

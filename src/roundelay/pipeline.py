@@ -361,9 +361,9 @@ def segment(
     joints = None if joints is None else tuple(joints)
     if timeline is None and len(motion) >= SEARCH.fewest:
         timeline = timeline_of(motion, Options(joints=joints), progress)
-    cyclic = () if timeline is None else timeline.checked(len(motion)).cyclic
+    told = () if timeline is None else timeline.checked(len(motion)).behaviours
     if isinstance(method, Segmentation):
-        return _with_periods(method.checked(len(motion)), cyclic)
+        return _described(method.checked(len(motion)), told)
     found = cut_by_posture(
         motion,
         method=method,
@@ -371,9 +371,9 @@ def segment(
         n_segments=n_segments,
         joints=joints,
         rng=rng,
-        repeating=[each.spans for each in cyclic if len(each.limbs) > 1],
+        repeating=[each.spans for each in told if each.kind == "cyclic" and len(each.limbs) > 1],
     )
-    return _with_periods(found, cyclic)
+    return _described(found, told)
 
 
 @one_thread
@@ -427,14 +427,24 @@ def cycles_in_segments(
     return cycles
 
 
-def _with_periods(found: Segmentation, cyclic: Sequence[Behaviour]) -> Segmentation:
-    segments = tuple(replace(each, period=_period(each, cyclic)) for each in found.segments)
+def _described(found: Segmentation, told: Sequence[Behaviour]) -> Segmentation:
+    """Tell of segments what the timeline does: which repeat, and in which the body is hidden."""
+    cyclic = [each for each in told if each.kind == "cyclic"]
+    unseen = [each for each in told if each.kind == "unseen"]
+    segments = tuple(
+        replace(each, period=_period(each, cyclic), unseen=_most_of(each, unseen) is not None)
+        for each in found.segments
+    )
     return replace(found, segments=segments)
 
 
 def _period(segment: Segment, cyclic: Sequence[Behaviour]) -> float | None:
-    """Return the period of the behaviour that fills most of a segment, if one fills half of it."""
+    most = _most_of(segment, cyclic)
+    return None if most is None else most.period
+
+
+def _most_of(segment: Segment, told: Sequence[Behaviour]) -> Behaviour | None:
+    """Return the behaviour that fills most of a segment, if one fills half of it."""
     frames = range(segment.start, segment.stop)
-    filled = [(each.spans.within(frames), each.period) for each in cyclic]
-    most, period = max(filled, default=(0, 0.0))
-    return period if 2 * most > len(frames) else None
+    most = max(told, key=lambda each: each.spans.within(frames), default=None)
+    return most if most and 2 * most.spans.within(frames) > len(frames) else None

@@ -74,3 +74,11 @@ def test_ranges_are_moved():
     assert spans.moved(2).moved(-2) == spans
     with pytest.raises(ValueError, match="from 0 on"):
         spans.moved(-4)
+
+
+def test_without_leaves_what_others_do_not_take():
+    spans = Spans([(0, 10), (12, 20), (30, 40)])
+    left = spans.without(Spans([(3, 5), (9, 13), (28, 41)]))
+    assert left == ((0, 3), (5, 9), (13, 20))
+    assert spans.without(Spans([(3, 5)]), shortest=4) == ((5, 10), (12, 20), (30, 40))
+    assert Spans().without(spans) == ()

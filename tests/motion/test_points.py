@@ -244,3 +244,67 @@ def test_takes_in_other_units_are_not_blended():
     )
     with pytest.raises(ValueError, match="one unit of length, found m and mm"):
         rl.blend([first, rl.find_cycles(millimetres)[0]], weights=[0.5, 0.5])
+
+
+def test_a_body_hidden_for_a_while_is_unseen_and_in_no_behaviour():
+    _, points = _walk()
+    positions = points.to_array()
+    hidden = (len(positions) // 2 - 90, len(positions) // 2 + 90)
+    positions[slice(*hidden)] = np.nan
+    motion = _quiet(rl.Points.from_array(positions, fps=60.0, names=points.names))
+    told = rl.understand(motion)
+    assert [each.spans for each in told.behaviours if each.kind == "unseen"] == [(hidden,)]
+    for each in told.cyclic:
+        assert each.spans.within(range(*hidden)) == 0
+    parts = rl.segment(motion, timeline=told, n_segments=3).segments
+    covered = [each.kind for each in parts if hidden[0] < each.start and each.stop < hidden[1]]
+    assert set(covered) <= {"unseen"}
+    assert "held" not in {each.kind for each in parts}
+
+
+@pytest.mark.parametrize("turn", [0.0, 4.0])
+def test_legs_alone_have_a_frame_that_stays_upright(jumps, turn):
+    legs = {"UpLeg": "hip", "Leg": "knee", "Foot": "heel", "ToeBase": "foot_index"}
+    chosen = [f"{side}{name}" for side in ("Left", "Right") for name in legs]
+    names = [f"{side}_{name}" for side in ("left", "right") for name in legs.values()]
+    x, y, z = jumps.positions()[:, jumps.skeleton.indices(chosen)].transpose(2, 0, 1)
+    angle = np.linspace(0.0, turn, len(jumps))[:, None]
+    c, s = np.cos(angle), np.sin(angle)
+    turned = np.stack([c * x + s * z, y, c * z - s * x], axis=2)
+    motion = _quiet(rl.Points.from_array(turned, fps=jumps.fps, names=names))
+    assert np.linalg.norm(motion.rotations[:, 0, [1, 3]], axis=1).max() < 0.2
+    known, found = ({each.period for each in rl.understand(one).cyclic} for one in (jumps, motion))
+    assert found
+    assert all(min(abs(one / period - 1.0) for one in known) < 0.05 for period in found)
+
+
+def test_zeros_of_several_points_at_once_are_gaps():
+    _, points = _walk()
+    positions = points.to_array()
+    positions[30:40, :2] = 0.0
+    positions[50:54, 4] = 0.0
+    gaps = _quiet(rl.Points.from_array(positions, fps=60.0, names=points.names))
+    found = {(gap.point, gap.start, gap.stop) for gap in gaps.skeleton.layout.gaps}
+    first, second, fifth = (points.names[place] for place in (0, 1, 4))
+    assert found >= {(first, 30, 40), (second, 30, 40), (fifth, 50, 54)}
+
+
+def test_one_point_that_is_always_at_the_origin_is_a_place():
+    _, points = _walk()
+    positions = points.positions - points.positions[:, :1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", GapsFilled)
+        motion = motion_of_points(rl.Points.from_array(positions, fps=60.0, names=points.names))
+    assert points.names[0] in motion.skeleton.names
+
+
+def test_points_are_cut_where_their_skeleton_is(captures):
+    motion = rl.read(captures / "01_03.bvh")
+    points = rl.Points.from_array(
+        motion.positions(), fps=motion.fps, names=motion.skeleton.names, units="m"
+    )
+    found = rl.segment(_quiet(points))
+    known = rl.segment(motion).cuts
+    near = [min(abs(one - cut) for one in known) <= 0.5 * motion.fps for cut in found.cuts]
+    assert len(found) >= 4
+    assert all(near)

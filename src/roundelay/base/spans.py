@@ -93,6 +93,15 @@ class Spans(tuple[Span, ...]):
         """Return the ranges so many frames later, or earlier."""
         return Spans((start + by, stop + by) for start, stop in self)
 
+    def without(self, others: Spans, shortest: int = 1) -> Spans:
+        """Return what others leave of the ranges, pieces of so many frames or more."""
+        kept = np.zeros(self[-1][1] if self else 0, bool)
+        kept[self.frames] = True
+        for part in others.slices():
+            kept[part] = False
+        pieces = Spans.of_mask(kept)
+        return Spans(piece for piece in pieces if piece[1] - piece[0] >= shortest)
+
     @property
     def joined(self) -> Spans:
         """The ranges of `frames` that hold each range: the same lengths, end to end."""

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import heading
 from roundelay.geometry.symmetry import is_left, other_side
-from roundelay.geometry.thresholds import UPRIGHT
-from roundelay.motion.frame import Frame
+from roundelay.motion.frame import Frame, standing
 from roundelay.motion.thresholds import FRAME
 
 __all__ = ["upright_turn", "upward"]
@@ -38,12 +37,7 @@ def upward(frame: Frame, inside: Array, *, planar: bool) -> int:
         return 2 if np.ptp(np.unwrap(heading(frame.turns, 2))) > np.pi / 2 else 1
     few = np.unique(np.linspace(0, len(inside) - 1, FRAME.frames).round().astype(int))
     placed = Frame(frame.places[few], frame.turns[few], frame.trunk, frame.shape)
-    positions = placed.outside(inside[few])
-    lowest = np.quantile(positions, FRAME.lowest, axis=1)
-    height = np.median(positions.mean(axis=1) - lowest, axis=0)
-    varies = np.std(lowest, axis=0) + UPRIGHT.floor * height.max()
-    # Compared without a division: points that all lie at one place have no height.
-    return 2 if height[2] * varies[1] > height[1] * varies[2] else 1
+    return standing(placed.outside(inside[few]))
 
 
 def upright_turn(frame: Frame, names: Sequence[str], up: int) -> Array:

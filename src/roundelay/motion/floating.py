@@ -26,7 +26,7 @@ from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.axes import upright_turn, upward
 from roundelay.motion.frame import Frame, trunk_frame
-from roundelay.motion.gaps import Gap, fill_gaps, gaps_in_words, outliers
+from roundelay.motion.gaps import Gap, fill_gaps, gaps_in_words, outliers, straight
 from roundelay.motion.lines import Links, links_of, symmetric_tree, tree_of, trunk_of
 from roundelay.motion.motion import Motion
 from roundelay.motion.points import Points
@@ -116,7 +116,7 @@ def motion_of_points(points: Points, *, fill: bool = True, max_gap: float | None
     """
     if max_gap is not None and not max_gap >= 0.0:
         raise ValueError(f"expected a longest gap of 0 seconds or more, found {max_gap:g}")
-    points = _well_seen(_likely(expected(Points, points)))
+    points = _well_seen(_beside_origin(_likely(expected(Points, points))))
     planar, positions = points.dimensions == 2, _in_space(points)
     size = _extent(positions, points.seen)
     seen = points.seen & ~outliers(positions, points.seen, size)
@@ -150,6 +150,24 @@ def _likely(points: Points) -> Points:
     if points.likelihoods is None:
         return points
     return replace(points, missing=~points.seen | ~(points.likelihoods >= GAPS.likely))
+
+
+def _beside_origin(points: Points) -> Points:
+    """Return points without zeros that stand for gaps.
+
+    A point that jumps to the origin and back is not there; nor are several that never leave it. One
+    that never does is where the places of the others are measured from.
+    """
+    zero = points.seen & ~points.positions.any(axis=2)
+    if not zero.any():
+        return points
+    elsewhere = points.seen & ~zero
+    never = ~elsewhere.any(axis=0)
+    size = _extent(points.positions, elsewhere)
+    places = straight(points.positions, elsewhere | never)
+    usual = np.median(np.linalg.norm(np.diff(places, axis=0), axis=2), axis=0)
+    far = np.linalg.norm(places, axis=2) > np.maximum(GAPS.apart * size, GAPS.usual * usual)
+    return replace(points, missing=~points.seen | zero & (far | (never & (never.sum() > 1))))
 
 
 def _well_seen(points: Points) -> Points:

@@ -2,11 +2,13 @@
 
 The frame of each moment is the rotation and place that carry the trunk's shape onto what is seen
 (least squares, Kabsch 1976); the shape is the mean over all frames (generalised Procrustes
-analysis). No axis is singular, and points that are missing carry no weight.
+analysis). No axis is singular, and points that are missing carry no weight. A trunk that is a line,
+such as two hips, tells no turn about itself: it stays upright.
 """
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +16,11 @@ from numpy.typing import NDArray
 
 from roundelay.base.errors import TooShort
 from roundelay.geometry import rotations as rot
+from roundelay.geometry.thresholds import UPRIGHT
 from roundelay.motion.poses import Mask
 from roundelay.motion.thresholds import FRAME
 
-__all__ = ["Frame", "trunk_frame"]
+__all__ = ["Frame", "standing", "trunk_frame"]
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -81,7 +84,9 @@ def trunk_frame(positions: Array, seen: Mask, trunk: Places, *, planar: bool) ->
         If there is no frame in which enough is seen.
     """
     x, mask = positions[:, trunk], seen[:, trunk]
-    needed, most = min(2 if planar else 3, len(trunk)), int(mask.sum(axis=1).max(initial=0))
+    if not planar and _is_line(x, mask):
+        x, mask = _upright(positions, seen, x, mask)
+    needed, most = min(2 if planar else 3, mask.shape[1]), int(mask.sum(axis=1).max(initial=0))
     if most < needed:
         asked = f"frames in which {needed} points of the trunk are seen"
         raise TooShort(f"expected {asked}; of {len(trunk)} at most {most} are seen at once")
@@ -90,7 +95,41 @@ def trunk_frame(positions: Array, seen: Mask, trunk: Places, *, planar: bool) ->
     turns, places = _carried(x, mask, shape, planar)
     known = np.flatnonzero(mask.sum(axis=1) >= needed)
     turns, places = _bridged(turns, places, known, len(x))
-    return Frame(places, turns, trunk, shape)
+    return Frame(places, turns, trunk, shape[: len(trunk)])
+
+
+def _is_line(x: Array, mask: Mask) -> bool:
+    """Tell whether several points (F, k, 3) lie on one line."""
+    whole = x[mask.all(axis=1)]
+    if mask.shape[1] < 2 or not len(whole):
+        return False
+    long, wide = np.linalg.svd(whole - whole.mean(axis=1, keepdims=True), compute_uv=False).T[:2]
+    return bool(np.median(wide) < FRAME.line * np.median(long))
+
+
+def _upright(positions: Array, seen: Mask, x: Array, mask: Mask) -> tuple[Array, Mask]:
+    """Put a point above the middle of a line of points, as high as they lie apart."""
+    few = np.unique(np.linspace(0, len(x) - 1, FRAME.frames).round().astype(int))
+    up = standing(np.where(seen[few, :, None], positions[few], np.nan))
+    whole: Mask = np.asarray(mask.all(axis=1))
+    above = x.mean(axis=1, keepdims=True)
+    above[..., up] += np.median(np.ptp(x[whole], axis=1).max(axis=1))
+    return np.concatenate([x, above], axis=1), np.concatenate([mask, whole[:, None]], axis=1)
+
+
+def standing(positions: Array) -> int:
+    """Return the axis, Y or Z, along which points (F, J, 3), NaN where not seen, stand.
+
+    Along it a body is high above its lowest point, which keeps its height.
+    """
+    with warnings.catch_warnings():
+        # A frame in which nothing is seen has no lowest point.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        lowest = np.nanquantile(positions, FRAME.lowest, axis=1)
+        height = np.nanmedian(np.nanmean(positions, axis=1) - lowest, axis=0)
+        varies = np.nanstd(lowest, axis=0) + UPRIGHT.floor * height.max()
+    # Compared without a division: points that all lie at one place have no height.
+    return 2 if height[2] * varies[1] > height[1] * varies[2] else 1
 
 
 def _keeping(x: Array, mask: Mask, shape: Array, needed: int, planar: bool) -> Mask:

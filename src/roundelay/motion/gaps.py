@@ -22,7 +22,7 @@ from roundelay.base.spans import Spans
 from roundelay.motion.poses import Mask
 from roundelay.motion.thresholds import GAPS
 
-__all__ = ["Gap", "fill_gaps", "gaps_in_words", "outliers"]
+__all__ = ["Gap", "fill_gaps", "gaps_in_words", "outliers", "straight"]
 
 Array = NDArray[np.float64]
 Way = Literal["line", "alike", "open"]
@@ -151,7 +151,7 @@ def fill_gaps(
     positions : (F, J, 3) ndarray
     gaps : tuple of Gap
     """
-    filled = _straight(inside, seen)
+    filled = straight(inside, seen)
     poses = _Poses(filled.copy(), seen, size, reach)
     found: list[Gap] = []
     for point in np.flatnonzero(~seen.all(axis=0)).tolist():
@@ -168,7 +168,7 @@ def fill_gaps(
     return filled, tuple(found)
 
 
-def _straight(inside: Array, seen: Mask) -> Array:
+def straight(inside: Array, seen: Mask) -> Array:
     """Return positions with straight lines where points are missing, level at the ends."""
     result, frames = inside.copy(), np.arange(len(inside))
     for point in np.flatnonzero(~seen.all(axis=0)):
@@ -188,12 +188,20 @@ class _Poses:
         speed = straight[ahead] - straight[behind]
         # A frame's speed counts like its pose.
         speed *= np.sqrt(np.mean(np.var(straight, axis=0)) / max(float(np.mean(speed**2)), TINY))
-        known = np.stack([seen, seen[ahead] & seen[behind]], axis=2).astype(float)
-        values = np.stack([straight - straight.mean(axis=0), speed], axis=2) * known[..., None]
-        count = len(frames), seen.shape[1]
-        self._values = values.reshape(*count, -1)
-        self._squares = np.sum(values**2, axis=-1)
+        # Single precision tells what is alike well enough.
+        known = np.stack([seen, seen[ahead] & seen[behind]], axis=2).astype(np.float32)
+        values = np.stack([straight - straight.mean(axis=0), speed], axis=2, dtype=np.float32)
+        values *= known[..., None]
+        squares, flat = np.sum(values**2, axis=-1), values.reshape(*known.shape[:2], -1)
+        # Products of a frame's row with those of others are distances; see `_apart`.
+        self._asked = np.concatenate([squares, known, -2.0 * flat], axis=2)
         self._known = known
+        self._others = np.arange(0, len(frames), max(1, -(-len(frames) // GAPS.poses)))
+        theirs = np.concatenate([known, squares, flat], axis=2)[self._others]
+        self._theirs = np.ascontiguousarray(theirs.reshape(len(self._others), -1).T)
+        self._theirs_known = np.ascontiguousarray(
+            known[self._others].reshape(len(self._others), -1).T
+        )
 
     def ways(self, start: int, stop: int) -> tuple[Way, ...]:
         """Return the ways in which a gap can be filled: by what is seen around it and during it."""
@@ -248,13 +256,11 @@ class _Poses:
         count = len(self._places)
         ends = [frame for frame in (start - 1, stop) if 0 <= frame < count]
         asked = np.array([*range(start, stop), *ends])
-        usable = self._seen[:, point].copy()
-        usable[max(0, start - 1) : stop + 1] = False
-        known = np.flatnonzero(usable)
-        if not len(known):
+        usable = self._seen[self._others, point]
+        usable &= (self._others < start - 1) | (self._others > stop)
+        if not usable.any():
             return self._places[start:stop, point]
-        known = known[:: max(1, len(known) // GAPS.poses)]
-        guess = self._mean_of_nearest(point, asked, known)
+        guess = self._mean_of_nearest(point, asked, usable)
         inner = guess[: stop - start]
         offsets = [
             self._places[frame, point] - guess[stop - start + number]
@@ -266,28 +272,24 @@ class _Poses:
         early, late = offsets[0], offsets[-1]
         return np.asarray(inner + (1.0 - part) * early + part * late)
 
-    def _mean_of_nearest(
-        self, point: int, asked: NDArray[np.intp], known: NDArray[np.intp]
-    ) -> Array:
-        """Return where a point was, on average, in the known frames most alike each asked one."""
-        apart = self._apart(point, asked, known)
+    def _mean_of_nearest(self, point: int, asked: NDArray[np.intp], usable: Mask) -> Array:
+        """Return where a point was, on average, in the usable frames most alike each asked one."""
+        apart, known = self._apart(point, asked)[:, usable], self._others[usable]
         count = min(GAPS.nearest, len(known))
         nearest = np.argpartition(apart, count - 1, axis=1)[:, :count]
         least = TINY * self._size**2
-        weight = 1.0 / np.maximum(np.take_along_axis(apart, nearest, axis=1), least)
+        weight = 1.0 / np.maximum(np.take_along_axis(apart, nearest, axis=1).astype(float), least)
         weight += SMALLEST
         weight /= weight.sum(axis=1, keepdims=True)
         return np.asarray(np.einsum("fk,fkd->fd", weight, self._places[known[nearest], point]))
 
-    def _apart(self, point: int, asked: NDArray[np.intp], known: NDArray[np.intp]) -> Array:
-        """Return mean squared distances (n, m) of frames, by what both show of the other points."""
+    def _apart(self, point: int, asked: NDArray[np.intp]) -> Array:
+        """Return mean squared distances (n, m) of frames to the others.
 
-        def product(first: Array, second: Array) -> Array:
-            a, b = first[asked], second[known]
-            whole = a.reshape(len(a), -1) @ b.reshape(len(b), -1).T
-            return np.asarray(whole - a[:, point] @ b[:, point].T)
-
-        squares = product(self._squares, self._known) + product(self._known, self._squares)
-        shared = product(self._known, self._known)
-        apart = np.maximum(squares - 2.0 * product(self._values, self._values), 0.0)
+        By what both show of the other points.
+        """
+        rows, known = self._asked[asked], self._known[asked]
+        rows[:, point] = known[:, point] = 0.0
+        shared = known.reshape(len(asked), -1) @ self._theirs_known
+        apart = np.maximum(rows.reshape(len(asked), -1) @ self._theirs, 0.0)
         return np.where(shared > 0.0, apart / np.maximum(shared, 1.0), np.inf)

@@ -20,6 +20,7 @@ from roundelay.geometry.symmetry import (
     reflected_skeleton,
     reflection,
 )
+from roundelay.motion.thresholds import POSES
 
 __all__ = ["FASTEST", "Motion", "checked_rate", "concatenate"]
 
@@ -106,10 +107,10 @@ class Motion:
 
     @property
     def shown(self) -> NDArray[np.bool_]:
-        """Frames (F,) in which at least half of the joints are known."""
+        """Frames (F,) in which enough of the joints are known to see the body."""
         if self.missing is None:
             return np.ones(len(self), bool)
-        return np.asarray(self.missing.mean(axis=1) <= 0.5)
+        return np.asarray(self.missing.mean(axis=1) <= 1.0 - POSES.shown)
 
     @property
     def n_frames(self) -> int:

@@ -25,6 +25,9 @@ class _Poses(Thresholds):
     )
     rest_frames: int = constant(200, unit="frames", origin="steps that are looked at; " + BY_EYE)
     rest_fewest: int = constant(3, unit="steps", origin="fewer tell nothing; " + BY_EYE)
+    shown: float = constant(
+        0.5, unit="share of all joints", origin="known in a frame in which the body is seen"
+    )
 
 
 POSES = _Poses()
@@ -42,6 +45,9 @@ class _Frame(Thresholds):
         5.0,
         unit="times its usual distance",
         origin="a point of the trunk that lies so far off its place carries no weight; " + BY_EYE,
+    )
+    line: float = constant(
+        0.1, unit="width for the length", origin="a trunk no wider is a line; " + BY_EYE
     )
     lowest: float = constant(
         0.05, unit="quantile of the points", origin="is the lowest of a body; one may be wrong"

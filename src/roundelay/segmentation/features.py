@@ -12,6 +12,7 @@ from roundelay.base.errors import SkeletonMismatch
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
+from roundelay.segmentation.thresholds import MODEL
 
 __all__ = ["STANDARD_JOINTS", "corresponding_joints", "joint_quaternions"]
 
@@ -46,7 +47,8 @@ _EXTRAS = re.compile(r"end|nub|twist|roll|finger|thumb|index|eye|jaw|top|site|ik
 def joint_quaternions(motion: Motion, joints: Iterable[str] | None = None) -> NDArray[np.float64]:
     """Return the poses as points: one quaternion a joint, as four coordinates ([B] 3.1).
 
-    Of markers and keypoints, which have none, their places relative to the trunk, in body sizes.
+    Of markers and keypoints, which have none, their places relative to the trunk, in units in which
+    they move as far as quaternions do.
 
     Parameters
     ----------
@@ -71,7 +73,7 @@ def joint_quaternions(motion: Motion, joints: Iterable[str] | None = None) -> ND
         raise ValueError("expected at least one joint, found none")
     chosen = motion.skeleton.indices(names)
     if motion.skeleton.free:
-        return point_cloud(motion, joints=chosen)
+        return MODEL.turn * point_cloud(motion, joints=chosen)
     return motion.rotations[:, chosen].reshape(len(motion), 4 * len(chosen))
 
 

@@ -38,6 +38,8 @@ class Segment:
         Seconds of one repetition if the segment is periodic, None if it is not.
     held : bool
         Whether nothing moves in it that matters.
+    unseen : bool
+        Whether the body is hidden in most of it.
     name : str
         As a person named it; empty if nobody did.
     """
@@ -49,6 +51,7 @@ class Segment:
     period: float | None = None
     held: bool = False
     name: str = ""
+    unseen: bool = False
 
     def __len__(self) -> int:
         return self.stop - self.start
@@ -59,10 +62,12 @@ class Segment:
         return self.period is not None
 
     @property
-    def kind(self) -> Literal["cyclic", "held", "passing"]:
-        """Whether it repeats itself, stands still, or neither."""
+    def kind(self) -> Literal["cyclic", "unseen", "held", "passing"]:
+        """Whether it repeats itself, is hidden, stands still, or none of these."""
         if self.periodic:
             return "cyclic"
+        if self.unseen:
+            return "unseen"
         return "held" if self.held else "passing"
 
     @property

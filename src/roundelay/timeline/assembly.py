@@ -28,7 +28,7 @@ from roundelay.timeline.behaviours import Behaviour, Timeline
 from roundelay.timeline.calibration import judged_by
 from roundelay.timeline.chance import excess
 from roundelay.timeline.closing import closing_length
-from roundelay.timeline.limbs import Body, body_of, shown_span
+from roundelay.timeline.limbs import Body, body_of, within_ends
 from roundelay.timeline.merging import merged
 from roundelay.timeline.nesting import phrase_of
 from roundelay.timeline.options import Options
@@ -65,7 +65,7 @@ def timeline_of(
         body.n_frames,
         take.fps,
         tuple(limb.name for limb in body.limbs),
-        (*told, *_aside(take, body, options.span(body.n_frames))),
+        (*told, *_aside(body, options.span(body.n_frames))),
         tuple(uncertain),
         getattr(take, "name", ""),
     )
@@ -156,14 +156,18 @@ def _phrase(body: Body, piece: Predicted) -> Behaviour | None:
 
 
 def _spans(body: Body, one: Predicted) -> Spans:
-    """Return the frames of the runs; what is nearly the end of those looked at is their end."""
+    """Return the frames of the runs in which the body is seen.
+
+    What is nearly the end of those looked at is their end.
+    """
     spans = [[body.frames(a), body.frames(b)] for a, b in sorted(one.runs)]
     near = ACCOUNT.end * one.period * body.step
     if spans[0][0] - body.span[0] < near:
         spans[0][0] = body.span[0]
     if body.span[1] - spans[-1][1] < near:
         spans[-1][1] = body.span[1]
-    return Spans.union((start, stop) for start, stop in spans)
+    found = Spans.union((start, stop) for start, stop in spans)
+    return found.without(body.unseen, shortest=SEARCH.fewest) if body.unseen else found
 
 
 def _paused(body: Body, one: Predicted, spans: Spans) -> Spans:
@@ -200,12 +204,11 @@ def _closing(take: Motion | Poses, body: Body, options: Options) -> Span | None:
     return None if length is None else (first, first + length)
 
 
-def _aside(take: Motion | Poses, body: Body, asked: Span | None) -> list[Behaviour]:
+def _aside(body: Body, asked: Span | None) -> list[Behaviour]:
     """Return the frames that an exporter put before or behind the movement, and the unseen ones."""
-    whole = asked or (0, body.n_frames)
-    seen = shown_span(take, whole)
-    around = {"neutral": _around(body.span, seen), "unseen": _around(seen, whole)}
-    return [_whole(kind, body, spans) for kind, spans in around.items() if spans]
+    seen = within_ends(asked or (0, body.n_frames), body.unseen)
+    aside = {"neutral": _around(body.span, seen), "unseen": body.unseen}
+    return [_whole(kind, body, spans) for kind, spans in aside.items() if spans]
 
 
 def _around(inner: Span, outer: Span) -> Spans:

@@ -55,7 +55,7 @@ class Behaviour:
     ----------
     kind : {"cyclic", "closed", "neutral", "unseen"}
         Repeating; one pass whose ends meet; a pose that an exporter put before or behind the
-        movement; before the body is seen first or after it is seen last.
+        movement; frames in which the body is not seen.
     spans : Spans
         The frames.
     limbs, joints : tuple of str

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from roundelay.base.spans import Span
+from roundelay.base.spans import Span, Spans
 from roundelay.geometry import rotations as rot
 from roundelay.geometry.kinematics import forward_kinematics, heading
 from roundelay.geometry.skeleton import Skeleton
@@ -23,7 +23,7 @@ from roundelay.motion.motion import Motion
 from roundelay.motion.poses import Poses, bridged, point_indices, principal_components
 from roundelay.timeline.thresholds import LIMBS, PREDICTION, SEARCH
 
-__all__ = ["Body", "Limb", "body_of", "shown_span"]
+__all__ = ["Body", "Limb", "body_of", "within_ends"]
 
 Array = NDArray[np.float64]
 
@@ -69,6 +69,8 @@ class Body:
         Samples a second.
     span : (start, stop)
         The frames that are looked at, without a neutral pose at either end.
+    unseen : Spans
+        Of the frames asked for, the stretches in which the body is not seen.
     step : int
         How many frames a sample takes.
     names : tuple of str
@@ -82,6 +84,7 @@ class Body:
     seen: NDArray[np.float32] = field(repr=False)
     rate: float
     span: Span
+    unseen: Spans
     step: int
     names: tuple[str, ...] = field(repr=False)
     n_frames: int
@@ -179,7 +182,9 @@ def body_of(
     step = max(1, round(take.fps / LIMBS.rate))
     view = _Joints(take, span, step) if isinstance(take, Motion) else _Points(take)
     chosen = set(range(len(view.names)) if joints is None else view.indices(joints))
-    first, stop = _without_neutral_ends(view, shown_span(take, span or (0, view.count)), step)
+    whole = span or (0, view.count)
+    unseen = _unseen(take, whole)
+    first, stop = _without_neutral_ends(view, within_ends(whole, unseen), step)
     inside, seen = view.at(slice(first, stop, step))
     limbs, signals, at = [], [], 0
     for name, kind, members in view.limbs():
@@ -190,17 +195,23 @@ def body_of(
             signals.append(axes)
             at += axes.shape[1]
     stacked = np.hstack(signals) if signals else np.zeros((len(inside), 0))
-    return Body(
-        tuple(limbs), stacked, seen, take.fps / step, (first, stop), step, view.names, view.count
-    )
+    rate, frames = take.fps / step, (first, stop)
+    return Body(tuple(limbs), stacked, seen, rate, frames, unseen, step, view.names, view.count)
 
 
-def shown_span(take: Motion | Poses, span: Span) -> Span:
-    """Return a span from the first to the last frame in which the body was seen."""
+def _unseen(take: Motion | Poses, span: Span) -> Spans:
+    """Return the stretches of a span in which the body is not seen; none if it never is."""
     if not isinstance(take, Motion) or take.missing is None:
-        return span
-    frames = np.flatnonzero(take.shown[slice(*span)])
-    return (span[0] + int(frames[0]), span[0] + int(frames[-1]) + 1) if len(frames) else span
+        return Spans()
+    hidden = ~take.shown[slice(*span)]
+    return Spans() if hidden.all() else Spans.of_mask(hidden).moved(span[0])
+
+
+def within_ends(span: Span, taken: Spans) -> Span:
+    """Return what spans at the ends of a span leave of it."""
+    start, stop = span
+    start = next((b for a, b in taken if a == start), start)
+    return start, next((a for a, b in taken if b == stop), stop)
 
 
 class _Joints:

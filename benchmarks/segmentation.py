@@ -46,6 +46,7 @@ OURS = {
     "behaviours": 0,
     "gaussian": 0,
     "pca": 5,
+    "pca-paper": 5,
     "ppca": 4,
     "ppca-paper": 4,
     "gmm": 2,

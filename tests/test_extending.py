@@ -90,7 +90,7 @@ def test_a_library_takes_a_format_of_a_stranger(scratch):
             "generic, markers.",
         ),
         ("convert", "The BVH, AMC, GLB, GLTF, FBX, or POSE file to write;"),
-        ("segment", "gaussian, pca, ppca, gmm, steady, ppca-paper, gmm-paper."),
+        ("segment", "gaussian, pca, ppca, gmm, steady, pca-paper, ppca-paper, gmm-paper."),
     ],
 )
 def test_help_lists_what_a_stranger_brings(scratch, command, listed):

@@ -321,10 +321,10 @@ def segment(
     motion : Motion or Points
     method : str or options
         ``behaviours`` (the default, needs nothing); ``gaussian``, what it proposes by itself;
-        ``pca``, ``ppca`` or ``gmm`` of [B]; ``ppca-paper`` and ``gmm-paper`` with all of the
-        paper's own choices (those of ``pca`` are the paper's); one that a plug-in brings; or a
-        method's options, such as ``PPCAOptions(threshold=2.5)``; or cuts that are known already,
-        such as those of `roundelay.segmentation.edited_segments`.
+        ``pca``, ``ppca`` or ``gmm`` of [B]; ``pca-paper``, ``ppca-paper`` and ``gmm-paper`` with
+        all of the paper's own choices; one that a plug-in brings; or a method's options, such as
+        ``PPCAOptions(threshold=2.5)``; or cuts that are known already, such as those of
+        `roundelay.segmentation.edited_segments`.
     sensitivity : float
         2 finds finer behaviours, .5 coarser ones (``behaviours`` only).
     n_segments : int, optional

@@ -48,7 +48,7 @@ def test_json_is_all_that_is_printed(capture, tmp_path):
     assert not list(tmp_path.glob("*.png"))
 
 
-@pytest.mark.parametrize("method", ["pca", "ppca", "gmm", "ppca-paper"])
+@pytest.mark.parametrize("method", ["pca", "ppca", "gmm", "pca-paper", "ppca-paper"])
 def test_other_methods(capture, tmp_path, method):
     result = run(capture, "-o", tmp_path, "--cut-by", method)
     assert result.exit_code == 0, result.output
@@ -59,6 +59,9 @@ def test_other_methods(capture, tmp_path, method):
     [
         (["--cut-by", "magic"], "expected a segmentation method among"),
         (["--cut-by", "pca", "--sensitivity", "2"], "expected options of the method 'behaviours'"),
+        (["--cut-by", "ppca-paper", "--ppca-rule", "difference"], "options of the method 'ppca'"),
+        (["--gmm-clusters", "3"], "expected options of the method 'gmm' with that method"),
+        (["--cut-by", "pca", "--pca-lag", "9"], "expected lag < window <= start"),
         (["--joints", "tail"], "no joint 'tail'"),
         (["--segments", "99"], "expected at most"),
         (["--segments", "3", "--sensitivity", "2"], "expected --sensitivity or --segments"),

@@ -1,8 +1,11 @@
 """The methods of [B], each against a slow plain twin, and its figures."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from roundelay.base.errors import RoundelayWarning
 from roundelay.reproduction.matrices import mahalanobis_matrix, projection_error_matrix
 from roundelay.segmentation import (
     GMMOptions,
@@ -20,7 +23,7 @@ def poses(capture):
     return capture.motion.rotations[:, 1:].reshape(len(capture.motion), -1)
 
 
-def naive_pca(x, k=240, lag=60, first=300, energy=0.9, deviations=3.0):
+def naive_pca(x, k=240, lag=60, first=300, energy=0.9, deviations=3.0, two_sided=False):
     """[B] 3.1 word for word: one SVD a frame."""
     cuts, start = [], 0
     while True:
@@ -34,9 +37,12 @@ def naive_pca(x, k=240, lag=60, first=300, energy=0.9, deviations=3.0):
             if i < k:
                 continue
             d = errors[i][rank:].sum() - errors[i - lag][rank:].sum()
-            if i > first and d - np.mean(derivatives) > deviations * np.std(derivatives):
-                cut = i - 1
-                break
+            if i > first:
+                away = d - np.mean(derivatives)
+                away = abs(away) if two_sided else away
+                if away > deviations * np.std(derivatives):
+                    cut = i - 1
+                    break
             derivatives.append(d)
         if cut is None:
             return cuts
@@ -44,12 +50,27 @@ def naive_pca(x, k=240, lag=60, first=300, energy=0.9, deviations=3.0):
         cuts.append(start)
 
 
-def test_pca_is_the_papers(capture):
+@pytest.mark.parametrize("options", [PCAOptions(), PCAOptions.paper()])
+def test_pca_is_the_papers(capture, options):
     x = poses(capture)[:1500, :12]
-    online = OnlinePCA(120.0)
+    online = OnlinePCA(120.0, options)
     online.push(x)
-    assert online.cuts == naive_pca(x)
+    assert online.cuts == naive_pca(x, two_sided=options.two_sided)
     assert len(online.cuts) >= 1
+
+
+def test_two_sided_cuts_where_growth_falls_too():
+    """Something lively, then rest: the error stops to grow."""
+    x = np.random.default_rng(0).normal(0.0, 1.0, (900, 5))
+    x[600:] *= 0.01
+    found = {}
+    for two_sided in (False, True):
+        online = OnlinePCA(120.0, PCAOptions(energy=0.1, deviations=4.0, two_sided=two_sided))
+        online.push(x)
+        found[two_sided] = online.cuts
+    assert found[False] == []
+    assert len(found[True]) > 0
+    assert abs(found[True][0] - 600) < 60
 
 
 def test_pca_frame_by_frame_is_the_same(capture):
@@ -106,11 +127,85 @@ def test_ppca_backward_pass_adds_what_forward_misses(capture):
     x = poses(capture)
     forward = OnlinePPCA(120.0, PPCAOptions.paper())
     forward.push(x)
-    both, strengths, curve = ppca_cuts(x, 120.0, PPCAOptions.paper())
-    assert curve == forward.curve
-    assert set(forward.cuts) <= set(both)
-    assert len(both) == len(strengths)
-    assert min(strengths) >= 1.0
+    for converge in (False, True):
+        options = replace(PPCAOptions.paper(), converge=converge)
+        both, strengths, curve = ppca_cuts(x, 120.0, options)
+        assert curve == forward.curve
+        assert set(forward.cuts) <= set(both)
+        assert len(both) == len(strengths)
+        assert min(strengths) >= 1.0
+
+
+def naive_passes(x, options):
+    """[B] 3.2: forward and backward in turn, new cuts added, until two passes bring none."""
+    cuts, rest, backward = [], 2, False
+    while rest:
+        new = []
+        for a, b in zip([0, *cuts], [*cuts, len(x)], strict=True):
+            online = OnlinePPCA(120.0, options)
+            online.push(x[a:b][::-1] if backward else x[a:b])
+            new += [b - cut if backward else a + cut for cut in online.cuts]
+        rest = 2 if new else rest - 1
+        cuts, backward = sorted(cuts + new), not backward
+    return cuts
+
+
+def test_passes_to_and_fro_end_where_none_is_new(capture):
+    x, options = poses(capture), PPCAOptions(converge=True, threshold=1.5)
+    found = ppca_cuts(x, 120.0, options)[0]
+    assert found == naive_passes(x, options)
+    assert min(np.diff([0, *found, len(x)])) >= options.frames(120.0)[0]
+
+
+def test_a_narrow_behaviour_inside_a_wide_one_is_found_by_the_backward_pass():
+    rng = np.random.default_rng(1)
+    x = np.concatenate([rng.normal(0.0, 1.0, (900, 6)), rng.normal(0.0, 0.02, (900, 6))])
+    options = PPCAOptions.paper()
+    forward = OnlinePPCA(120.0, options)
+    forward.push(x)
+    assert forward.cuts == []
+    with pytest.warns(RoundelayWarning, match="hardly fits 6 coordinates"):
+        found = ppca_cuts(x, 120.0, options)[0]
+    assert len(found) >= 1
+    assert min(abs(cut - 900) for cut in found) <= 160
+
+
+def test_eq_10_as_printed_is_the_square(capture):
+    x = poses(capture)[:1500]
+    root, square = OnlinePPCA(120.0), OnlinePPCA(120.0, PPCAOptions(squared=True, threshold=9.0))
+    root.push(x)
+    square.push(x)
+    shared = min(len(root.curve), len(square.curve), 40)
+    (_, h), (_, h2) = (np.array(one.curve[:shared]).T for one in (root, square))
+    np.testing.assert_allclose(h2, h**2, rtol=1e-12)
+    # Literally: eq. 9's covariance of the first 150 frames, averaged over the next 150.
+    gap = x[150:300] - x[:150].mean(axis=0)
+    _, s, v = np.linalg.svd(x[:150] - x[:150].mean(axis=0))
+    squares = np.append(s**2, np.zeros(x.shape[1] - len(s)))
+    rank = intrinsic_dimension(squares, 0.95)
+    squares[rank:] = squares[rank:].mean()
+    inverse = v.T @ np.diag(149.0 / squares) @ v
+    literal = np.mean([row @ inverse @ row for row in gap])
+    assert h2[0] == pytest.approx(literal, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "dimension", "fits"),
+    [
+        (PPCAOptions.paper(), 56, True),
+        (PPCAOptions.paper(), 4, False),
+        (PPCAOptions.paper(), 300, False),
+        (replace(PPCAOptions.paper(), squared=True), 56, False),
+        (replace(PPCAOptions.paper(), squared=True, threshold=112.0), 56, True),
+        (PPCAOptions(), 4, True),
+    ],
+)
+def test_a_threshold_that_does_not_fit_the_dimension_is_told(options, dimension, fits):
+    if fits:
+        options.check_threshold(dimension)
+        return
+    with pytest.warns(RoundelayWarning, match=f"hardly fits {dimension} coordinates"):
+        options.check_threshold(dimension)
 
 
 def test_papers_windows_at_120_frames_a_second():
@@ -148,6 +243,18 @@ def test_mixture_agrees_with_scikit_learn():
     np.testing.assert_allclose(np.sort(ours.means[:, 0]), np.sort(theirs.means_[:, 0]), atol=0.02)
 
 
+@pytest.mark.parametrize("guess", ["parts", "frames"])
+def test_the_number_of_clusters_by_the_information_criterion(guess):
+    rng = np.random.default_rng(0)
+    x = np.concatenate([rng.normal(m, 1.0, (300, 2)) for m in (0.0, 8.0, 16.0)])
+    options = GMMOptions(most=5, starts=4, guess=guess)
+    mixture = fit_mixture(x, options, rng)
+    assert len(mixture.weights) == 3
+    # p log n - 2 log L: two weights, three means and three symmetric covariances in the plane.
+    literal = (2 + 3 * 2 + 3 * 3) * np.log(900) - 2 * 900 * mixture.likelihood
+    assert mixture.criterion(900) == pytest.approx(literal)
+
+
 def test_mixture_labels_separate_clouds():
     rng = np.random.default_rng(0)
     x = np.concatenate([rng.normal(m, 1.0, (300, 3)) for m in (0.0, 9.0, 0.0)])
@@ -179,6 +286,8 @@ def test_short_runs_at_the_ends_go_to_their_neighbour():
         (PPCAOptions, {"step": 2.0}),
         (PPCAOptions, {"threshold": 0.0}),
         (GMMOptions, {"clusters": 0}),
+        (GMMOptions, {"guess": "best"}),
+        (GMMOptions, {"most": 0}),
         (GMMOptions, {"energy": 2.0}),
         (GMMOptions, {"shortest": -1.0}),
     ],

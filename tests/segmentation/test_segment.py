@@ -35,7 +35,7 @@ def test_default_finds_cuts_and_recurring_behaviours(seed):
     assert all(0.5 <= s.score <= 1.0 for s in found.segments)
 
 
-@pytest.mark.parametrize("method", ["pca", "ppca", "gmm", "ppca-paper", "gmm-paper"])
+@pytest.mark.parametrize("method", ["pca", "ppca", "gmm", "pca-paper", "ppca-paper", "gmm-paper"])
 def test_methods_of_the_paper_give_a_whole_segmentation(capture, method):
     found = segment(capture.motion, method=method)
     assert found.segments[0].start == 0
@@ -104,7 +104,8 @@ def test_too_many_segments(capture):
 
 
 @pytest.mark.parametrize(
-    "method", ["behaviours", "gaussian", "pca", "ppca", "gmm", "ppca-paper", "gmm-paper"]
+    "method",
+    ["behaviours", "gaussian", "pca", "ppca", "gmm", "pca-paper", "ppca-paper", "gmm-paper"],
 )
 def test_constant_capture_is_one_behaviour(capture, method):
     still = concatenate([capture.motion[:1]] * 700)

@@ -20,6 +20,7 @@ from roundelay.segmentation.features import joint_quaternions
 from roundelay.segmentation.gmm import GMMOptions
 from roundelay.segmentation.method import Channels, Cuts, SegmentationMethod
 from roundelay.segmentation.methods import segmentation_methods
+from roundelay.segmentation.pca import PCAOptions
 from roundelay.segmentation.ppca import PPCAOptions
 from roundelay.segmentation.result import Segment, Segmentation
 from roundelay.segmentation.thresholds import MODEL
@@ -28,7 +29,11 @@ from roundelay.segmentation.tree import CutTree
 __all__ = ["checked_method", "method_names", "segment", "segment_channels", "segmented"]
 
 # Names for options of a method: all choices of [B] itself.
-_PAPER: dict[str, Any] = {"ppca-paper": PPCAOptions.paper(), "gmm-paper": GMMOptions.paper()}
+_PAPER: dict[str, Any] = {
+    "pca-paper": PCAOptions.paper(),
+    "ppca-paper": PPCAOptions.paper(),
+    "gmm-paper": GMMOptions.paper(),
+}
 
 
 @one_thread
@@ -51,9 +56,9 @@ def segment(
     motion : Motion
     method : str or options
         ``behaviours`` (the default, needs nothing); ``gaussian``, what it proposes by itself;
-        ``pca``, ``ppca`` or ``gmm`` of [B]; ``ppca-paper`` and ``gmm-paper`` with all of the
-        paper's own choices (those of ``pca`` are the paper's); one that a plug-in brings; or a
-        method's options, such as ``PPCAOptions(threshold=2.5)``.
+        ``pca``, ``ppca`` or ``gmm`` of [B]; ``pca-paper``, ``ppca-paper`` and ``gmm-paper`` with
+        all of the paper's own choices; one that a plug-in brings; or a method's options, such as
+        ``PPCAOptions(threshold=2.5)``.
     sensitivity : float
         2 finds finer behaviours, .5 coarser ones (``behaviours`` only).
     n_segments : int, optional

@@ -8,7 +8,7 @@ neighbours, those at the ends to their one neighbour.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,30 +33,56 @@ class GMMOptions(Checked):
     ----------
     clusters : int
         Number of behaviours (k).
+    most : int, optional
+        Try each number of behaviours up to this, and keep that of the least Bayesian information
+        criterion, instead of `clusters`. [B] did not find it useful.
     energy : float
         Share of the variance kept by the projection before.
     shortest : float
         Seconds below which a segment is given to its neighbours (120 frames).
     starts : int
-        Number of starts, each from one random frame in each of k parts of the capture.
+        Number of starts.
+    guess : {"parts", "frames"}
+        What a start begins with: one random frame in each of k parts of the capture, which [B]
+        found slightly better, or k random frames.
     iterations : int
         EM steps at most; they end once the log-likelihood per frame gains less than 1e-6.
     """
 
     title: ClassVar[str] = "Cuts by clusters of poses (gmm)"
 
-    clusters: int = option(4, "Number of behaviours.", least=1)
-    energy: float = option(0.9, "Share of the variance that is kept.", above=0, below=1)
-    shortest: float = option(
-        1.0, "A shorter segment goes to its neighbours.", unit="seconds", least=0
+    clusters: int = option(4, "Number of behaviours.", least=1, flag="gmm-clusters")
+    most: int | None = option(
+        None,
+        "Try each number of behaviours up to this, and keep the best by BIC.",
+        least=1,
+        most=64,
+        flag="gmm-most",
     )
-    starts: int = option(5, "Starts, of which the likeliest mixture is kept.", least=1)
-    iterations: int = option(200, "Steps of a start.", least=1)
+    energy: float = option(
+        0.9, "Share of the variance that is kept.", above=0, below=1, flag="gmm-energy"
+    )
+    shortest: float = option(
+        1.0,
+        "A shorter segment goes to its neighbours.",
+        unit="seconds",
+        least=0,
+        flag="gmm-shortest",
+    )
+    starts: int = option(
+        5, "Starts, of which the likeliest mixture is kept.", least=1, flag="gmm-starts"
+    )
+    guess: Literal["parts", "frames"] = option(
+        "parts",
+        "Start from a random frame of each of as many parts, or from random frames of all.",
+        flag="gmm-guess",
+    )
+    iterations: int = option(200, "Steps of a start.", least=1, flag="gmm-iterations")
 
     @classmethod
     def paper(cls) -> GMMOptions:
-        """Return the parameters of [B] 3.3: one start."""
-        return cls(starts=1)
+        """Return the parameters of [B] 3.3: one start, from random frames."""
+        return cls(starts=1, guess="frames")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +115,24 @@ class Mixture:
             columns.append(np.log(weight + SMALLEST) - 0.5 * (scale + np.sum(white**2, axis=0)))
         return np.stack(columns, axis=1)
 
+    def criterion(self, frames: int) -> float:
+        """Return the Bayesian information criterion of a fit to so many frames; least is best."""
+        clusters, d = self.means.shape
+        free = clusters - 1 + clusters * d + clusters * d * (d + 1) // 2
+        return free * float(np.log(frames)) - 2.0 * frames * self.likelihood
+
 
 def fit_mixture(values: Array, options: GMMOptions, rng: np.random.Generator) -> Mixture:
     """Fit a mixture to frames (n, d) by expectation maximisation, from several starts."""
-    trials = (_fit_once(values, options, rng) for _ in range(options.starts))
+    if options.most is None:
+        return _fitted(values, options.clusters, options, rng)
+    counts = range(1, min(options.most, len(values)) + 1)
+    mixtures = (_fitted(values, count, options, rng) for count in counts)
+    return min(mixtures, key=lambda mixture: mixture.criterion(len(values)))
+
+
+def _fitted(values: Array, count: int, options: GMMOptions, rng: np.random.Generator) -> Mixture:
+    trials = (_fit_once(values, count, options, rng) for _ in range(options.starts))
     return max(trials, key=lambda mixture: mixture.likelihood)
 
 
@@ -151,8 +191,8 @@ def merge_short(labels: NDArray[np.intp], least: int) -> NDArray[np.intp]:
         merged[start:middle], merged[middle:stop] = before, after
 
 
-def _fit_once(values: Array, options: GMMOptions, rng: np.random.Generator) -> Mixture:
-    mixture = _first_guess(values, options.clusters, rng)
+def _fit_once(values: Array, count: int, options: GMMOptions, rng: np.random.Generator) -> Mixture:
+    mixture = _first_guess(values, count, options.guess, rng)
     for _ in range(options.iterations):
         shares, likelihood = _responsibilities(mixture.log_densities(values))
         gained = likelihood - mixture.likelihood
@@ -162,10 +202,14 @@ def _fit_once(values: Array, options: GMMOptions, rng: np.random.Generator) -> M
     return mixture
 
 
-def _first_guess(values: Array, clusters: int, rng: np.random.Generator) -> Mixture:
-    """Take one random frame of each of k consecutive parts as means ([B] 3.3)."""
-    parts = np.array_split(np.arange(len(values)), clusters)
-    means = values[[int(rng.choice(part)) for part in parts]]
+def _first_guess(values: Array, clusters: int, guess: str, rng: np.random.Generator) -> Mixture:
+    """Take random frames as means, of all or one of each of k consecutive parts ([B] 3.3)."""
+    if guess == "frames":
+        chosen = rng.choice(len(values), clusters, replace=False).tolist()
+    else:
+        parts = np.array_split(np.arange(len(values)), clusters)
+        chosen = [int(rng.choice(part)) for part in parts]
+    means = values[chosen]
     covariance = np.atleast_2d(np.cov(values.T, bias=True))
     covariance = covariance + _floor(covariance)
     weights = np.full(clusters, 1.0 / clusters)

@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 class PCAOptions(Checked):
     """Parameters of the PCA method; the defaults are those of [B] 3.1 at 120 frames a second.
 
+    [B] tells of growth that "rises sharply", and of a test "more than 3 standard deviations from
+    the average": the default asks for the first, `paper` for the second.
+
     Parameters
     ----------
     energy : float
@@ -35,28 +38,55 @@ class PCAOptions(Checked):
         Standard deviations above the average growth that make a cut (k_sigma).
     start : float
         Seconds after a cut before the next can be (i_0 = 300 frames).
+    two_sided : bool
+        Growth as far below the average makes a cut, too.
     """
 
     title: ClassVar[str] = "Cuts by intrinsic dimension (pca)"
 
     energy: float = option(
-        0.9, "Share of the variance that the hyperplane keeps.", above=0, below=1
+        0.9,
+        "Share of the variance that the hyperplane keeps.",
+        above=0,
+        below=1,
+        flag="pca-energy",
     )
-    window: float = option(2.0, "Time the dimension is taken from.", unit="seconds", above=0)
+    window: float = option(
+        2.0, "Time the dimension is taken from.", unit="seconds", above=0, flag="pca-window"
+    )
     lag: float = option(
-        0.5, "Time over which the growth of the error is measured.", unit="seconds", above=0
+        0.5,
+        "Time over which the growth of the error is measured.",
+        unit="seconds",
+        above=0,
+        flag="pca-lag",
     )
     deviations: float = option(
-        3.0, "Standard deviations above the mean growth that make a cut.", above=0
+        3.0,
+        "Standard deviations above the mean growth that make a cut.",
+        above=0,
+        flag="pca-deviations",
     )
     start: float = option(
-        2.5, "Time after a cut before there can be another.", unit="seconds", above=0
+        2.5,
+        "Time after a cut before there can be another.",
+        unit="seconds",
+        above=0,
+        flag="pca-start",
+    )
+    two_sided: bool = option(
+        False, "Growth as far below the mean makes a cut, too.", flag="pca-two-sided"
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not self.lag < self.window <= self.start:
             raise ValueError(f"expected lag < window <= start, found {self}")
+
+    @classmethod
+    def paper(cls) -> PCAOptions:
+        """Return the parameters of [B] 3.1, its test word for word."""
+        return cls(two_sided=True)
 
 
 def intrinsic_dimension(variances: Array, energy: float) -> int:
@@ -155,9 +185,10 @@ class OnlinePCA:
             return False
         self.growth.append((self._frame, derivative, derivative - excess + needed))
         least = max(float(needed), TINY * self._scale)
-        if excess > least:
-            self.strengths.append(excess / least)
-        return excess > least
+        away = abs(excess) if self.options.two_sided else excess
+        if away > least:
+            self.strengths.append(away / least)
+        return away > least
 
     def _coordinates(self, frame: Array) -> Array:
         """Express a frame in an orthonormal basis of the span so far, which grows if it must.

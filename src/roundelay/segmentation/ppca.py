@@ -5,21 +5,27 @@ distance H of the T frames after them falls while the model learns a behaviour, 
 another one enters the window, and falls again when the model takes it in. Valley and peak make
 a cut.
 
-Where [B] is silent: H is the root of eq. 10 (the diagonal of figure 6 is 7, the root of 56
-rounded down); a valley must come after a descent; a peak is over when H has come down from it
-by a tenth of its rise over the valley; one forward and one backward pass are made, and a
-backward cut is new if it is farther than T from every forward one.
+H is the root of eq. 10 (the diagonal of figure 6 is 7, the root of 56 rounded down), or eq. 10 as
+it is printed. Where [B] is silent: a valley must come after a descent; a peak is over when H has
+come down from it by a tenth of its rise over the valley.
+
+[B] makes passes to and fro until one brings no new cut. Here each later pass runs inside of the
+segments so far. The default makes two passes over the whole capture instead, one to and one fro; a
+cut of the second is new if it is farther than T from every one of the first.
 """
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
+from itertools import pairwise
+from math import sqrt
 from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roundelay.base.errors import TooShort
+from roundelay.base.errors import RoundelayWarning, TooShort
 from roundelay.base.numeric import SMALLEST
 from roundelay.base.options import Checked, option
 from roundelay.base.threads import one_thread
@@ -50,23 +56,54 @@ class PPCAOptions(Checked):
         Seconds by which the model grows (Delta = 10 frames).
     middle : bool
         Put a cut that both passes find halfway between; [B] keeps the forward one.
+    squared : bool
+        H is eq. 10 as it is printed, a mean of squares, instead of its root.
+    converge : bool
+        Make passes to and fro until none brings a new cut ([B]), instead of two. No cut is then
+        found twice, so that `middle` says nothing.
     """
 
     title: ClassVar[str] = "Cuts by the coming frames (ppca)"
 
     rule: Literal["ratio", "difference"] = option(
-        "ratio", "Hold the peak over the valley against the threshold, or the peak less the valley."
+        "ratio",
+        "Hold the peak over the valley against the threshold, or the peak less the valley.",
+        flag="ppca-rule",
     )
-    threshold: float = option(3.0, "How far a peak must be above its valley.", above=0)
+    threshold: float = option(
+        3.0, "How far a peak must be above its valley.", above=0, flag="ppca-threshold"
+    )
     energy: float = option(
-        0.95, "Share of the variance that the hyperplane keeps.", above=0, below=1
+        0.95,
+        "Share of the variance that the hyperplane keeps.",
+        above=0,
+        below=1,
+        flag="ppca-energy",
     )
     window: float = option(
-        1.25, "Time looked ahead, and that of the first model.", unit="seconds", above=0
+        1.25,
+        "Time looked ahead, and that of the first model.",
+        unit="seconds",
+        above=0,
+        flag="ppca-window",
     )
-    step: float = option(10 / 120, "Time by which the model grows.", unit="seconds", above=0)
+    step: float = option(
+        10 / 120, "Time by which the model grows.", unit="seconds", above=0, flag="ppca-step"
+    )
     middle: bool = option(
-        True, "Put a cut that both passes find halfway; [B] keeps the forward one."
+        True,
+        "Put a cut that both passes find halfway; [B] keeps the forward one.",
+        flag="ppca-middle",
+    )
+    squared: bool = option(
+        False,
+        "Take the mean squared distance, as [B] eq. 10 is printed, instead of its root.",
+        flag="ppca-squared",
+    )
+    converge: bool = option(
+        False,
+        "Make passes to and fro until none brings a new cut, as [B], instead of two.",
+        flag="ppca-converge",
     )
 
     def __post_init__(self) -> None:
@@ -77,7 +114,7 @@ class PPCAOptions(Checked):
     @classmethod
     def paper(cls) -> PPCAOptions:
         """Return the parameters of [B] 3.2."""
-        return cls(rule="difference", threshold=PPCA.rise, middle=False)
+        return cls(rule="difference", threshold=PPCA.rise, middle=False, converge=True)
 
     def frames(self, fps: float) -> tuple[int, int]:
         """Return T and Delta in frames; T is a multiple of Delta."""
@@ -89,6 +126,22 @@ class PPCAOptions(Checked):
         if self.rule == "difference":
             return (peak - valley) / self.threshold
         return peak / (valley * self.threshold) if valley > 0.0 else 0.0
+
+    def check_threshold(self, dimension: int) -> None:
+        """Warn where a difference does not fit the dimension of the poses.
+
+        Inside of a behaviour H is about the root of the dimension, or as printed the dimension.
+        [B]'s R is twice that: 15 for 56 coordinates. It fits from once to four times that.
+        """
+        usual = dimension if self.squared else sqrt(dimension)
+        if self.rule == "difference" and not usual <= self.threshold <= 4 * usual:
+            warnings.warn(
+                f"a peak {self.threshold:g} above its valley hardly fits {dimension} coordinates, "
+                f"whose distance is about {usual:.3g} inside of a behaviour: try a threshold of "
+                f"{2 * usual:.3g}, or the rule 'ratio'",
+                RoundelayWarning,
+                stacklevel=2,
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,6 +253,8 @@ class OnlinePPCA:
         total = np.sum([part[0] for part in window], axis=0)
         products = np.sum([part[1] for part in window], axis=0)
         distance = model.distance(self.window, total, products)
+        if self.options.squared:
+            distance = distance**2
         self.curve.append((self._start + count, distance))
         self._watch(distance)
 
@@ -235,7 +290,7 @@ class OnlinePPCA:
 def ppca_cuts(
     values: Array, fps: float, options: PPCAOptions
 ) -> tuple[list[int], list[float], list[tuple[int, float]]]:
-    """Cut with a forward and a backward pass.
+    """Cut with a forward and a backward pass, or with passes to and fro until none is new.
 
     Parameters
     ----------
@@ -262,11 +317,38 @@ def ppca_cuts(
     window = options.frames(fps)[0]
     if len(values) < 2 * window:
         raise TooShort(f"expected at least two windows, {2 * window} frames, found {len(values)}")
+    options.check_threshold(values.shape[1])
+    if options.converge:
+        return _to_and_fro(values, fps, options)
     forward, backward = OnlinePPCA(fps, options), OnlinePPCA(fps, options)
     forward.push(values)
     backward.push(values[::-1])
     mirrored = [len(values) - cut for cut in backward.cuts]
     return *_united(forward, mirrored, backward.strengths), forward.curve
+
+
+def _to_and_fro(
+    values: Array, fps: float, options: PPCAOptions
+) -> tuple[list[int], list[float], list[tuple[int, float]]]:
+    """Look into the segments so far, forward and backward in turn, until neither finds a cut.
+
+    A cut is at least a window from the borders of the segment that it parts.
+    """
+    forward = OnlinePPCA(fps, options)
+    forward.push(values)
+    found = dict(zip(forward.cuts, forward.strengths, strict=True))
+    idle, direction = 0, -1
+    while idle < 2:
+        new: dict[int, float] = {}
+        bounds = [0, *sorted(found), len(values)]
+        for start, stop in pairwise(bounds):
+            online = OnlinePPCA(fps, options)
+            online.push(values[start:stop][::direction])
+            places = [start + cut if direction > 0 else stop - cut for cut in online.cuts]
+            new |= dict(zip(places, online.strengths, strict=True))
+        found |= new
+        idle, direction = 0 if new else idle + 1, -direction
+    return sorted(found), [found[cut] for cut in sorted(found)], forward.curve
 
 
 def _united(

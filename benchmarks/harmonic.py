@@ -27,7 +27,7 @@ from __future__ import annotations
 import time
 import timeit
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 
 import roundelay
 from benchmarks._harness import Target, parser, report
-from benchmarks.harmonic_metrics import composed, errors, euler_angles
+from benchmarks.harmonic_metrics import composed, errors
 from benchmarks.raunio_tables import PUBLISHED, SCALE, Published
 from roundelay.cycles.models import constrained
 from roundelay.cycles.models.regression import fit_cycle
@@ -47,13 +47,14 @@ from roundelay.motion.features import point_cloud
 from roundelay.motion.motion import Motion
 from roundelay.phase.tempo import time_phase
 from roundelay.reproduction import raunio
+from roundelay.reproduction.configuration import euler_angles
 from roundelay.timeline.evidence import measure as measure_behaviour
 from roundelay.timeline.search import Search
 
 Array = NDArray[np.float64]
 
 # Whose methods some functions run, which no user's path does.
-LABELLED = {"faithful": "[C] M1, M2, M3", "with_primes": "[C] M1, M2, M3"}
+LABELLED = {"faithful": "[C] M1, M2, M3"}
 
 # What the method "paper" is constrained by ([C] 5.3 items 20, 21).
 CONSTRAINTS: dict[str, dict[str, bool]] = {
@@ -112,9 +113,9 @@ def faithful(motion: Motion, row: Published) -> dict[str, dict[str, Any]]:
     angles = euler_angles(motion, motion.rotations)
     results = {}
     for name, model in (("M1", constrained.M1), ("M2", constrained.M2), ("M3", constrained.M3)):
-        options = raunio.PaperOptions(model, scale=SCALE[row.kind])
+        options = raunio.PaperOptions(model=model, scale=SCALE[row.kind])
         try:
-            found = with_primes(angles.reshape(len(motion), -1), options)
+            found = raunio.with_primes(angles.reshape(len(motion), -1), options)
         except roundelay.RoundelayError as error:
             results[name] = {"failed": str(error)}
             continue
@@ -127,16 +128,6 @@ def faithful(motion: Motion, row: Published) -> dict[str, dict[str, Any]]:
             "periods": found.period_count,
         }
     return results
-
-
-def with_primes(values: Array, options: raunio.PaperOptions) -> raunio.PaperCycle:
-    """Try another prime if the class does not lift, as [C] advises its user."""
-    for prime in (options.prime, 11, 23):
-        try:
-            return raunio.extract(values, replace(options, prime=prime))
-        except roundelay.LiftError as error:
-            refused = error
-    raise refused
 
 
 def default(motion: Motion) -> dict[str, Any]:

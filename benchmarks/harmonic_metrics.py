@@ -6,30 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay.formats.acclaim import AcclaimLayout
-from roundelay.formats.euler import decompose
 from roundelay.geometry import rotations as rot
 from roundelay.motion.motion import Motion
+from roundelay.reproduction.configuration import euler_angles
 
 Array = NDArray[np.float64]
 
-
-def euler_angles(motion: Motion, rotations: Array) -> Array:
-    """Return the file's channels (F, J, 3) in radians, unwrapped; three for every joint.
-
-    In the order of a BVH's channels; of ASF/AMC about the bone's own axes, rx ry rz, as [C]'s
-    figures are reproduced best. A loop may leave the channels a bone has: all three count.
-    """
-    layout = motion.skeleton.layout
-    if isinstance(layout, AcclaimLayout):
-        axes = layout.local_axes()
-        rotations = rot.multiply(rot.conjugate(axes), rot.multiply(rotations, axes))
-        return np.radians(decompose(rotations, "ZYX", "continuous"))
-    result = np.zeros((*rotations.shape[:2], 3))
-    for order in set(layout.orders):
-        joints = [joint for joint, other in enumerate(layout.orders) if other == order]
-        angles = decompose(rotations[:, joints], order, "continuous")
-        result[:, joints, : len(order)] = np.radians(angles)
-    return result
+# Whose channels some functions read: what [C] measures distances in.
+LABELLED = {"errors": "[C] channels"}
 
 
 def euler_squares(capture: Array, loop: Array) -> Array:

@@ -13,10 +13,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import roundelay
-from benchmarks.harmonic import captures, load, with_primes
-from benchmarks.harmonic_metrics import euler_angles
+from benchmarks.harmonic import captures, load
 from benchmarks.raunio_tables import PUBLISHED, SCALE
 from roundelay.reproduction import raunio
+from roundelay.reproduction.configuration import euler_angles
 
 # Rows where [C] fails: an error above .8 or one period.
 FAILED = ("02_01", "07_09", "16_08", "16_55", "16_57", "35_19", "35_26")
@@ -36,7 +36,7 @@ def pictures(data: Path, folder: Path) -> None:
         angles = euler_angles(motion, motion.rotations).reshape(len(motion), -1)
         loops = {}
         with contextlib.suppress(roundelay.RoundelayError):
-            loops["M1, faithful"] = with_primes(
+            loops["M1, faithful"] = raunio.with_primes(
                 angles, raunio.PaperOptions(scale=SCALE[published.kind])
             ).sample()
         with contextlib.suppress(roundelay.RoundelayError):

@@ -3,9 +3,9 @@
 A graph of names is read from the sources, without running them: a function, class or constant of
 the package points to the names that its body refers to. What is reached from the command line,
 the pipeline and the public names lies on a user's path. The papers' own methods, in
-`roundelay.reproduction`, lie on none: a benchmark may run them in the functions that its
-``LABELLED`` lists, each with a label that names the paper. Of `roundelay.topology`, a library of
-its own, only what the search uses counts, unless so labelled.
+`roundelay.reproduction`, lie on none but `roundelay reproduce`, which is for them: a benchmark may
+run them in the functions that its ``LABELLED`` lists, each with a label that names the paper. Of
+`roundelay.topology`, a library of its own, only what the search uses counts, unless so labelled.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from roundelay import segmentation, synth
 ROOT = Path(__file__).parent.parent
 BENCHMARKS = {path.stem: path for path in sorted((ROOT / "benchmarks").glob("*.py"))}
 PAPERS = "roundelay.reproduction"
+# The command that shows them makes none of what users are given.
+REPRODUCE = ("roundelay.commands.reproduce", "reproduce")
 # What varies constants measures nothing by itself.
 INSTRUMENTS = ("roundelay.base.thresholds",)
 PUBLIC = (roundelay, segmentation, synth)
@@ -112,7 +114,7 @@ class Names:
             module, own = name
             nodes = self.defined.get(module, {}).get(own, [])
             following = self.referred(nodes, module, self.imported.get(module, {}))
-            waiting |= ({(module, "")} | following) - seen
+            waiting |= ({(module, "")} | following) - seen - {REPRODUCE}
         return seen
 
 
@@ -129,6 +131,7 @@ def users(names) -> set[Name]:
         for module in names.modules
         if module == "roundelay.pipeline" or module.startswith(("roundelay.cli", "roundelay.comm"))
         for own in names.defined[module]
+        if module != REPRODUCE[0]
     }
     public = {
         (getattr(getattr(room, name), "__module__", room.__name__), name)

@@ -20,6 +20,7 @@ from roundelay.commands.library import library
 from roundelay.commands.listing import filled
 from roundelay.commands.loop import loop
 from roundelay.commands.query import query
+from roundelay.commands.reproduce import reproduce
 from roundelay.commands.search import search
 from roundelay.commands.segment import segment
 from roundelay.commands.strides import strides
@@ -79,6 +80,7 @@ for command in (
     strides,
     inspect,
     excitations,
+    reproduce,
     view,
     blend,
     transition,

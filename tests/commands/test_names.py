@@ -38,6 +38,7 @@ COMMANDS = {
     "strides": ["-o", "out"],
     "inspect": ["-o", "out"],
     "excitations": ["-o", "out"],
+    "reproduce": ["-o", "out"],
     "segment": ["-o", "out", "--split"],
     "view": ["-o", "out"],
     "close": ["--frames", "5:38", "-o", "out/"],

@@ -77,7 +77,7 @@ def test_too_few_differences_are_not_weighed() -> None:
 
 @pytest.mark.parametrize("remap", ["rank", "mixture"])
 def test_extraction_finds_the_period(turning: np.ndarray, remap: str) -> None:
-    found = raunio.extract(turning, raunio.PaperOptions(constrained.Model(5), remap=remap))
+    found = raunio.extract(turning, raunio.PaperOptions(model=constrained.Model(5), remap=remap))
     assert found.period == pytest.approx(60.0, rel=0.02)
     assert found.period_count == pytest.approx(178 / 60, rel=0.02)
     assert found.sample().shape == (int(found.period), 6)

@@ -15,20 +15,20 @@ the frames that the main job finds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.brief import brief
-from roundelay.base.errors import NoPeriod, TooShort
+from roundelay.base.errors import LiftError, NoPeriod, TooShort
 from roundelay.base.threads import one_thread
 from roundelay.cycles.models.constrained import M1, Model, fit_model
 from roundelay.phase.harmonic import HarmonicCurve
 from roundelay.phase.period import line_period
 from roundelay.phase.phase_map import mixture_remap, rank_remap
 from roundelay.phase.unwrap import unwrap
+from roundelay.reproduction.options import ExtractionOptions
 from roundelay.topology.coordinate import circular_coordinate
 from roundelay.topology.rips import Barcode, persistent_cohomology
 
@@ -38,34 +38,23 @@ __all__ = [
     "delay_embedding",
     "extract",
     "template_error",
+    "with_primes",
 ]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class PaperOptions:
-    """What a user of [C] sets; the defaults are those of its tables.
+class PaperOptions(ExtractionOptions):
+    """What a user of [C] sets, and the model.
 
     Parameters
     ----------
     model : Model
         The regression: `roundelay.cycles.models.constrained.M1`, `M2`, `M3` or one of your own.
-    delay : int
-        Embedding factor m of eq. 3.26.
-    scale : float
-        Maximum of the filtration's scale: 2 for walks, 3 for runs, 5 for boxing.
-    prime : int
-        Coefficients of the cohomology.
-    remap : {"rank", "mixture"}
-        From structure to time by eq. 3.20 or 3.21.
     """
 
     model: Model = M1
-    delay: int = 2
-    scale: float = 2.0
-    prime: int = 47
-    remap: Literal["rank", "mixture"] = "rank"
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +108,7 @@ def extract(values: ArrayLike, options: PaperOptions | None = None) -> PaperCycl
     Returns
     -------
     PaperCycle
-        Of the first F - m frames.
+        Of the first F - m frames, or those of them that make complete periods.
 
     Raises
     ------
@@ -136,12 +125,32 @@ def extract(values: ArrayLike, options: PaperOptions | None = None) -> PaperCycl
     y = y[: len(cloud)]
     barcode = persistent_cohomology(cloud, prime=options.prime)
     phase = _forward(_coordinate(barcode, options.scale))
+    if options.complete:
+        phase = phase[: _complete(phase)]
+        y = y[: len(phase)]
     phase = (rank_remap if options.remap == "rank" else mixture_remap)(phase)
     run = [(0, len(phase))]
     unwrapped = unwrap(phase, run)
     period = line_period(unwrapped, run)
     fit = fit_model(phase, y, period, options.model)
     return PaperCycle(fit.curve, period, phase, unwrapped, fit.errors, barcode)
+
+
+def with_primes(values: ArrayLike, options: PaperOptions | None = None) -> PaperCycle:
+    """Extract; try another prime if the class does not lift, as [C] advises its user.
+
+    Raises
+    ------
+    LiftError
+        If it lifts with none of three; and what `extract` raises.
+    """
+    options = options or PaperOptions()
+    for prime in (options.prime, 11):
+        try:
+            return extract(values, replace(options, prime=prime))
+        except LiftError:
+            continue
+    return extract(values, replace(options, prime=23))
 
 
 def delay_embedding(values: ArrayLike, delay: int) -> Array:
@@ -167,6 +176,14 @@ def _coordinate(barcode: Barcode, scale: float) -> Array:
     chosen = int(np.argmax(deaths - barcode.births))
     at = min(scale, float(np.nextafter(np.float32(barcode.deaths[chosen]), np.float32(0.0))))
     return circular_coordinate(barcode, k=chosen, scale=at, weights="uniform").phase
+
+
+def _complete(phase: Array) -> int:
+    """Return how many frames make complete periods; all where there is no whole one."""
+    turns = unwrap(phase, [(0, len(phase))])
+    turns = np.maximum.accumulate(turns - turns[0])
+    whole = np.floor(turns[-1])
+    return int(np.searchsorted(turns, whole)) if whole >= 1.0 else len(phase)
 
 
 def _forward(phase: Array) -> Array:

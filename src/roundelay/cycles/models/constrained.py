@@ -21,7 +21,17 @@ from roundelay.base.numeric import SMALLEST, TINY
 from roundelay.base.spans import Span
 from roundelay.phase.harmonic import HarmonicCurve, design_matrix
 
-__all__ = ["M1", "M2", "M3", "Fit", "Model", "finite_differences", "fit_model"]
+__all__ = [
+    "M1",
+    "M2",
+    "M3",
+    "Fit",
+    "Model",
+    "equations",
+    "finite_differences",
+    "fit_model",
+    "group_weights",
+]
 
 Array = NDArray[np.float64]
 
@@ -142,6 +152,42 @@ def fit_model(
     TooShort
         If the model is not weighted and no run has 9 frames to differentiate.
     """
+    orders, designs, targets = equations(phase, values, period, model, runs=runs, line=line)
+    count = targets[0].shape[1]
+    weights = group_weights(designs, targets) if model.weighted else np.ones((len(orders), count))
+    solution = _solve(designs, targets, weights)
+    errors = [float("nan")] * 3
+    for order, design, target, weight in zip(orders, designs, targets, weights, strict=True):
+        squares = weight * (design @ solution - target) ** 2
+        errors[order] = float(np.sqrt(np.mean(np.sum(squares, axis=1))))
+    return Fit(
+        curve=HarmonicCurve.from_solution(solution[: 2 * model.harmonics + 1]),
+        slope=solution[-1] if line else np.zeros(count),
+        errors=(errors[0], errors[1], errors[2]),
+    )
+
+
+def equations(
+    phase: ArrayLike,
+    values: ArrayLike,
+    period: float,
+    model: Model = M1,
+    *,
+    runs: Sequence[Span] | None = None,
+    line: bool = False,
+) -> tuple[list[int], list[Array], list[Array]]:
+    """Return what `fit_model` solves, a group of rows for each order of derivative.
+
+    Parameters are those of `fit_model`.
+
+    Returns
+    -------
+    orders : list of int
+        0 for values, 1 and 2 for velocities and accelerations.
+    designs : list of (m, c) ndarray
+        Regressors, one column a coefficient.
+    targets : list of (m, d) ndarray
+    """
     x, y = np.asarray(phase, float), np.asarray(values, float)
     runs = [(0, len(x))] if runs is None else runs
     inner = np.concatenate([np.arange(start + _REACH, stop - _REACH) for start, stop in runs])
@@ -151,19 +197,7 @@ def fit_model(
         _design(x, model.harmonics, order, runs if line else None)[inner if order else slice(None)]
         for order in orders
     ]
-    weights = np.ones((len(orders), y.shape[1]))
-    if model.weighted:
-        weights = _group_weights(designs, targets)
-    solution = _solve(designs, targets, weights)
-    errors = [float("nan")] * 3
-    for order, design, target, weight in zip(orders, designs, targets, weights, strict=True):
-        squares = weight * (design @ solution - target) ** 2
-        errors[order] = float(np.sqrt(np.mean(np.sum(squares, axis=1))))
-    return Fit(
-        curve=HarmonicCurve.from_solution(solution[: 2 * model.harmonics + 1]),
-        slope=solution[-1] if line else np.zeros(y.shape[1]),
-        errors=(errors[0], errors[1], errors[2]),
-    )
+    return orders, designs, targets
 
 
 def _orders(model: Model, differences: int) -> list[int]:
@@ -201,8 +235,14 @@ def _design(x: Array, harmonics: int, order: int, lines: Sequence[Span] | None) 
     return np.hstack([design, begins, slope[:, None]])
 
 
-def _group_weights(designs: list[Array], targets: list[Array]) -> Array:
-    """Estimate 1, alpha_j and gamma_j (groups, d) by separate fits ([C] eq. 3.11-3.13, 3.19)."""
+def group_weights(designs: Sequence[Array], targets: Sequence[Array]) -> Array:
+    """Estimate 1, alpha_j and gamma_j (groups, d) by separate fits ([C] eq. 3.11-3.13, 3.19).
+
+    Parameters
+    ----------
+    designs, targets : sequence of ndarray
+        As from `equations`.
+    """
     variances = []
     for design, target in zip(designs, targets, strict=True):
         used = design[:, np.any(design != 0.0, axis=0)]

@@ -66,8 +66,11 @@ def made(python: Path, folder: Path) -> list[Path]:
     return [path for path in sorted(folder.iterdir()) if path.suffix in (".fbx", ".glb", ".gltf")]
 
 
-def compared(python: Path, files: Sequence[Path], folder: Path) -> list[Compared]:
-    """Compare our poses of files with those of one Blender's importers."""
+def compared(python: Path, files: Sequence[Path], folder: Path, last: Path) -> list[Compared]:
+    """Compare our poses of files with those of one Blender's importers.
+
+    Where they differ, the newer importer of another Blender is asked.
+    """
     motions: dict[Path, Any] = {}
     for path in files:
         with warnings.catch_warnings():
@@ -78,7 +81,7 @@ def compared(python: Path, files: Sequence[Path], folder: Path) -> list[Compared
                 motions[path] = str(error)
     rows = _imported(python, motions, folder, "usual")
     unlike = {path: motions[path] for path, row in rows.items() if _asks_again(path, row)}
-    for path, row in _imported(python, unlike, folder, "new").items():
+    for path, row in _imported(last, unlike, folder, "new").items():
         rows[path] = row if row.equal else rows[path]
     return list(rows.values())
 

@@ -62,12 +62,13 @@ def _scenes(blenders: Sequence[Path], real: Path | None) -> list[Compared]:
     others = [] if real is None else _animated(real)
     given = [others, *([[]] * (len(blenders) - 1))]
     with ThreadPoolExecutor(len(blenders)) as pool:
-        return [row for rows in pool.map(_of_one, blenders, given) for row in rows]
+        last = [blenders[-1]] * len(blenders)
+        return [row for rows in pool.map(_of_one, blenders, last, given) for row in rows]
 
 
-def _of_one(python: Path, others: list[Path]) -> list[Compared]:
+def _of_one(python: Path, last: Path, others: list[Path]) -> list[Compared]:
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as work:
-        return compared(python, [*made(python, Path(folder)), *others], Path(work))
+        return compared(python, [*made(python, Path(folder)), *others], Path(work), last)
 
 
 def _animated(folder: Path) -> list[Path]:

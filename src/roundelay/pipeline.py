@@ -97,6 +97,13 @@ def find_cycles(
         If an option is out of range, or the timeline is another capture's.
     Cancelled
         If `progress` returned False.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> cycle = rl.find_cycles(walk)[0]
+    >>> round(cycle.period, 2), round(cycle.evidence.repetitions)
+    (1.1, 6)
     """
     options = chosen(Options, options)
     capture = as_motion(motion)
@@ -161,6 +168,13 @@ def make_loops(
         If an option is out of range, or the timeline is another capture's.
     Cancelled
         If `progress` returned False.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> for loop in rl.make_loops(walk):
+    ...     print(loop.verdict, len(loop.motion))
+    good 66
     """
     render, motion = chosen(LoopOptions, render), as_motion(motion)
     cycles = find_cycles(motion, search, timeline=timeline, progress=progress)
@@ -186,6 +200,13 @@ def make_cycle(
         If the runs hold no whole period.
     ValueError
         If an option is out of range.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> cycle = rl.make_cycle(walk, rl.find_periodic(walk)[0])
+    >>> round(cycle.period, 2)
+    1.1
     """
     options = chosen(Options, options)
     capture = as_motion(motion)
@@ -217,6 +238,12 @@ def find_periodic(
     -------
     list of Evidence
         The one most often and most surely repeated first.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> [round(evidence.period, 2) for evidence in rl.find_periodic(walk)]
+    [66.0]
     """
     options = chosen(Options, options)
     take = as_motion(take) if isinstance(take, Points) else take
@@ -260,6 +287,13 @@ def understand(
         If the frames of the options are not all there.
     Cancelled
         If `progress` returned False.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> for each in rl.understand(walk).behaviours:
+    ...     print(each.kind, round(each.period, 2), round(each.repetitions, 1))
+    cyclic 1.1 6.5
     """
     options = chosen(Options, options)
     take = as_motion(take) if isinstance(take, Points) else take
@@ -356,6 +390,13 @@ def segment(
         capture's.
     Cancelled
         If `progress` returned False.
+
+    Examples
+    --------
+    >>> take = rl.concatenate([rl.read("walk.bvh"), rl.read("run.bvh")])
+    >>> found = rl.segment(take)
+    >>> [(segment.kind, round(segment.period, 2)) for segment in found.segments]
+    [('cyclic', 1.1), ('cyclic', 0.75)]
     """
     motion = as_motion(motion)
     joints = None if joints is None else tuple(joints)

@@ -44,11 +44,26 @@ __all__ = [
 
 
 class RoundelayError(Exception):
-    """Base of every error that names a fault of the input rather than of the call."""
+    """Base of every error that names a fault of the input rather than of the call.
+
+    Examples
+    --------
+    >>> try:
+    ...     rl.read("nowhere.xyz")
+    ... except rl.RoundelayError as error:
+    ...     print(type(error).__name__)
+    FormatError
+    """
 
 
 class RoundelayWarning(UserWarning):
-    """Say that input was used, but not all of it or not as it is."""
+    """Say that input was used, but not all of it or not as it is.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> warnings.simplefilter("ignore", rl.RoundelayWarning)  # no notes on what was read
+    """
 
 
 class FormatError(RoundelayError):
@@ -62,6 +77,14 @@ class FormatError(RoundelayError):
         The file.
     line, column : int, optional
         Where, counted from 1.
+
+    Examples
+    --------
+    >>> try:
+    ...     rl.read("broken.bvh")
+    ... except rl.FormatError as error:
+    ...     print(error)
+    broken.bvh:1:1: expected HIERARCHY, found 'no'
     """
 
     def __init__(
@@ -86,11 +109,31 @@ class GapsFilled(RoundelayWarning):
 
 
 class SkeletonMismatch(RoundelayError):
-    """Report skeletons or joints that do not fit together."""
+    """Report skeletons or joints that do not fit together.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> try:
+    ...     rl.find_cycles(walk, rl.Options(joints=("Tail",)))
+    ... except rl.SkeletonMismatch as error:
+    ...     print("no such joint")
+    no such joint
+    """
 
 
 class TooShort(RoundelayError):
-    """Report a capture with fewer frames than the method needs."""
+    """Report a capture with fewer frames than the method needs.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> try:
+    ...     rl.find_cycles(walk[:5])
+    ... except rl.TooShort as error:
+    ...     print(error)
+    a period needs at least 8 frames, found 5
+    """
 
 
 class NoPeriod(RoundelayError):
@@ -100,6 +143,15 @@ class NoPeriod(RoundelayError):
     ----------
     evidence : object
         What was measured: the barcode and figures of the best candidate, or None.
+
+    Examples
+    --------
+    >>> still = rl.concatenate([rl.read("walk.bvh")[:1]] * 100)
+    >>> try:
+    ...     rl.find_cycles(still)
+    ... except rl.NoPeriod as error:
+    ...     print(error)
+    no periodic motion found: nothing moves against the root
     """
 
     def __init__(self, message: str, evidence: Any = None) -> None:
@@ -124,4 +176,14 @@ class Locked(RoundelayError):
 
 
 class Cancelled(RoundelayError):
-    """Report that the progress callback returned False."""
+    """Report that the progress callback returned False.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> try:
+    ...     rl.find_cycles(walk, progress=lambda fraction, stage: False)
+    ... except rl.Cancelled:
+    ...     print("stopped")
+    stopped
+    """

@@ -58,6 +58,14 @@ def bottleneck_distance(first: Barcode, second: Barcode) -> float:
         If one is no barcode.
     ValueError
         If a bar does not end.
+
+    Examples
+    --------
+    >>> angle = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    >>> circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    >>> one, two = (rl.topology.persistent_cohomology(size * circle) for size in (1.0, 1.2))
+    >>> round(rl.bottleneck_distance(one, two), 2)
+    0.35
     """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import maximum_bipartite_matching
@@ -87,6 +95,14 @@ def wasserstein_distance(first: Barcode, second: Barcode, *, order: float = 1.0)
     ------
     ValueError
         If a bar does not end, or the order is less than 1.
+
+    Examples
+    --------
+    >>> angle = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    >>> circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    >>> one, two = (rl.topology.persistent_cohomology(size * circle) for size in (1.0, 1.2))
+    >>> round(rl.wasserstein_distance(one, two), 2)
+    0.35
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -133,6 +149,14 @@ def cycle_distance(first: Cycle, second: Cycle, *, mirror: bool = True) -> float
     ------
     SkeletonMismatch
         If their joints differ.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> run = rl.read("run.bvh")
+    >>> first, second = (rl.find_cycles(take)[0] for take in (walk, run))
+    >>> rl.cycle_distance(first, first) < rl.cycle_distance(first, second)
+    True
     """
     one, other = of_common_points([expected(Cycle, first), expected(Cycle, second)])
     return align(one, other, mirror=mirror).distance
@@ -140,7 +164,15 @@ def cycle_distance(first: Cycle, second: Cycle, *, mirror: bool = True) -> float
 
 @one_thread
 def distance_matrix(items: Sequence[Item], distance: Callable[[Item, Item], float]) -> Array:
-    """Return the distances (n, n) between all items by one of the distances here."""
+    """Return the distances (n, n) between all items by one of the distances here.
+
+    Examples
+    --------
+    >>> rl.distance_matrix([0.0, 1.0, 3.0], lambda a, b: abs(a - b))
+    array([[0., 1., 3.],
+           [1., 0., 2.],
+           [3., 2., 0.]])
+    """
     items = as_sequence(items, "items")
     if not callable(distance):
         raise TypeError(f"expected a distance to call, found {type(distance).__name__}")
@@ -176,6 +208,12 @@ def cluster(
     ------
     ValueError
         If the distances are not square, or the count is not from 1 to n.
+
+    Examples
+    --------
+    >>> places = np.array([0.0, 0.1, 5.0, 5.2])
+    >>> rl.cluster(np.abs(places[:, None] - places), count=2)
+    array([0, 0, 1, 1])
     """
     d = as_numbers(distances, "distances (n, n)")
     if d.ndim != 2 or d.shape[0] != d.shape[1]:

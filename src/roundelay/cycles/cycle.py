@@ -66,6 +66,14 @@ class Cycle:
         outside the parts that show the motion.
     method : str
         The cycle model that made it, by name; empty for a blend.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> cycle = rl.find_cycles(walk)[0]
+    >>> loop = cycle.sample(fps=30.0)
+    >>> len(loop), round(cycle.period, 2)
+    (33, 1.1)
     """
 
     skeleton: Skeleton

@@ -83,6 +83,13 @@ class Repetitions:
         Places of joints on their parents, beyond those of the mean, where bones change length.
     phase : (P,) ndarray
         In turns; before 0 and after 1 it is that of the repetitions before and after.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> kept = rl.repetitions(rl.find_cycles(walk)[0], walk)
+    >>> np.round(kept.durations, 2)
+    array([1.1, 1.1, 1.1, 1.1, 1.1])
     """
 
     cycle: Cycle
@@ -320,6 +327,14 @@ def repetitions(cycle: Cycle, motion: Motion) -> Repetitions:
         If the capture shows no whole repetition.
     ValueError
         If the cycle carries no evidence of where it was found.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> kept = rl.repetitions(rl.find_cycles(walk)[0], walk)
+    >>> another = kept.vary(rng=0)
+    >>> len(kept.durations), len(another)
+    (5, 66)
     """
     cycle, motion = expected(Cycle, cycle), expected(Motion, motion)
     if cycle.evidence is None or cycle.phase is None:

@@ -129,6 +129,11 @@ def read(
         has one of, or the rate is not positive, or beyond 10,000, or the longest gap is negative.
     OSError
         If the file cannot be read.
+
+    Examples
+    --------
+    >>> rl.read("walk.bvh")
+    Motion('walk', 429 frames at 60 fps, 19 joints)
     """
     path = as_path(path)
     reader = reader_of(path, suffix)
@@ -187,6 +192,12 @@ def read_points(
         If something is chosen that a format has one of.
     OSError
         If the file cannot be read.
+
+    Examples
+    --------
+    >>> points = rl.read_points("keypoints.trc")
+    >>> len(points), points.fps, points.units
+    (429, 60.0, 'm')
     """
     path = as_path(path)
     reader = reader_of(path, suffix)
@@ -264,6 +275,13 @@ def write(motion: Motion | Points, path: str | PathLike[str]) -> None:
         If the motion has no frame, or in none of them enough points are seen.
     OSError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> rl.write(walk[:60], "part.glb")
+    >>> len(rl.read("part.glb"))
+    60
     """
     path = as_path(path)
     writer = writer_of(path)

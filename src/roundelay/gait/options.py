@@ -31,6 +31,13 @@ class StrideOptions(Checked):
     ------
     ValueError
         If a value is out of range.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> found = rl.strides(walk, rl.StrideOptions(rule="zeni"))
+    >>> found.rule
+    'zeni'
     """
 
     title: ClassVar[str] = "Steps and strides"

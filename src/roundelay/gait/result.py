@@ -71,6 +71,13 @@ class Strides:
     fps : float
     name : str
         Of the take.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> found = rl.strides(walk)
+    >>> len(found.strides), found.unit
+    (11, 'm')
     """
 
     events: tuple[StepEvent, ...]

@@ -80,6 +80,13 @@ def strides(
         If an option is out of range, or the timeline is another take's.
     Cancelled
         If `progress` returned False.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> found = rl.strides(walk)
+    >>> sorted({event.foot for event in found.events})
+    ['left', 'right']
     """
     options, search, motion = (
         chosen(StrideOptions, options),

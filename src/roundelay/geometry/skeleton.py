@@ -44,6 +44,13 @@ class Skeleton:
     ------
     ValueError
         If the parts do not make a tree.
+
+    Examples
+    --------
+    >>> offsets = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0]])
+    >>> arm = rl.Skeleton(("shoulder", "elbow"), (-1, 0), offsets)
+    >>> arm.n_joints, arm.size
+    (2, 0.3)
     """
 
     names: tuple[str, ...]
@@ -131,7 +138,7 @@ class Skeleton:
             reach = down[joint] + float(np.linalg.norm(self.offsets[joint]))
             longest = max(longest, down[parent] + reach)
             down[parent] = max(down[parent], reach)
-        return longest or 1.0
+        return float(longest) or 1.0
 
     def index(self, name: str) -> int:
         """Return the index of a joint.

@@ -100,6 +100,12 @@ def build_library(
         If a source is a file of another type, or `jobs` is not positive.
     Cancelled
         If `progress` returned False.
+
+    Examples
+    --------
+    >>> library = rl.build_library("captures", "library", jobs=1)
+    >>> sorted({file for file, _ in library.cycles})
+    ['run.bvh', 'walk.bvh']
     """
     if jobs is not None and jobs < 1:
         raise ValueError(f"expected at least one job, found {jobs}")

@@ -33,6 +33,13 @@ class Match:
         The clip that shows it.
     cycle : dict
         Its record.
+
+    Examples
+    --------
+    >>> library = rl.build_library("captures", "library")
+    >>> matches, left_out = library.search(rl.find_cycles(rl.read("walk.bvh"))[0])
+    >>> matches[0].file, round(matches[0].distance, 3)
+    ('walk.bvh', 0.0)
     """
 
     distance: float
@@ -49,6 +56,12 @@ class Library:
     folder : Path
     record : dict
         All that ``library.json`` tells.
+
+    Examples
+    --------
+    >>> library = rl.build_library("captures", "library")
+    >>> library.summary["clips"], len(library.cycles)
+    (2, 2)
     """
 
     folder: Path

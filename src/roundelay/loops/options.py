@@ -63,6 +63,13 @@ class LoopOptions(Checked):
     ------
     ValueError
         If a value is out of range, or the target does not read the format.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> loop = rl.make_loops(walk, render=rl.LoopOptions(fps=60.0, in_place=True))[0]
+    >>> len(loop.motion), loop.motion.fps
+    (66, 60.0)
     """
 
     title: ClassVar[str] = "What is written"

@@ -67,6 +67,13 @@ class Quality:
         Difference of frequencies of capture and repeated loop (`roundelay.loops.fit.npss`).
     coverage : float
         Share of the circle that the capture shows.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> found = rl.quality(rl.find_cycles(walk)[0], walk)
+    >>> found.seam_rotation <= found.step_rotation
+    True
     """
 
     seam_rotation: float
@@ -107,6 +114,13 @@ def quality(cycle: Cycle, motion: Motion) -> Quality:
     ------
     ValueError
         If the cycle carries no evidence of where it was found.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> found = rl.quality(rl.find_cycles(walk)[0], walk)
+    >>> found.seam_rotation <= found.step_rotation
+    True
     """
     cycle, motion = expected(Cycle, cycle), expected(Motion, motion)
     if cycle.evidence is None:

@@ -103,6 +103,13 @@ class Loop(Rendered):
         Its figures beside those of the capture.
     verdict : Verdict
         Whether it can be used, and if not why.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> loop = rl.make_loops(walk)[0]
+    >>> loop.verdict.word, len(loop.motion)
+    ('good', 66)
     """
 
     quality: Quality

@@ -123,6 +123,12 @@ def point_cloud(
         If `features` is unknown.
     SkeletonMismatch
         If no joint is left.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> rl.point_cloud(walk).shape
+    (429, 54)
     """
     values = _features(expected(Motion, motion), features)
     if weights is not None:

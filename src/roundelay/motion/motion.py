@@ -59,6 +59,14 @@ class Motion:
     ------
     ValueError
         If shapes do not fit, a value is not finite, or the frame time is not positive.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> walk
+    Motion('walk', 429 frames at 60 fps, 19 joints)
+    >>> walk[30:60].positions().shape
+    (30, 19, 3)
     """
 
     skeleton: Skeleton
@@ -312,6 +320,12 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
         If there are none, or their frame rates differ.
     SkeletonMismatch
         If their skeletons differ.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> len(rl.concatenate([walk, walk])) == 2 * len(walk)
+    True
     """
     motions = all_expected(Motion, motions)
     if not motions:

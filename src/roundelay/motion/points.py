@@ -57,6 +57,12 @@ class Points:
     ------
     ValueError
         If shapes do not fit, there is no point, names repeat, or the rate is not positive.
+
+    Examples
+    --------
+    >>> points = rl.Points.from_array(np.zeros((100, 2, 3)), fps=50.0, names=["hip", "knee"])
+    >>> len(points), points.names
+    (100, ('hip', 'knee'))
     """
 
     names: tuple[str, ...]

@@ -53,6 +53,11 @@ class Poses(Protocol):
         Frames a second.
     size : float
         Of the body, in the take's unit of length.
+
+    Examples
+    --------
+    >>> isinstance(rl.PoseArray(("hand",), np.zeros((9, 1, 3)), 30.0), rl.Poses)
+    True
     """
 
     @property
@@ -78,6 +83,14 @@ class PoseArray:
     ValueError
         If shapes do not fit, a value that is not missing is not finite, or the rate or the size
         is not positive.
+
+    Examples
+    --------
+    >>> angle = 2.0 * np.pi * np.arange(200) / 40.0
+    >>> values = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)[:, None]
+    >>> poses = rl.PoseArray(("hand",), values, fps=40.0)
+    >>> round(rl.understand(poses).behaviours[0].period, 2)
+    1.0
     """
 
     names: tuple[str, ...]

@@ -114,6 +114,13 @@ class Segmentation:
         What the method watched.
     source : str
         The capture's name.
+
+    Examples
+    --------
+    >>> take = rl.concatenate([rl.read("walk.bvh"), rl.read("run.bvh")])
+    >>> found = rl.segment(take)
+    >>> [(segment.kind, round(segment.period, 2)) for segment in found.segments]
+    [('cyclic', 1.1), ('cyclic', 0.75)]
     """
 
     segments: tuple[Segment, ...]

@@ -63,6 +63,13 @@ class Solution:
         Points that are on no bone, or hardly seen.
     noise : float
         Standard deviation of a coordinate, as measured, in the points' unit.
+
+    Examples
+    --------
+    >>> from roundelay.solving import solve
+    >>> found = solve(rl.read_points("keypoints.trc"))
+    >>> found.residuals.shape
+    (429, 12)
     """
 
     motion: Motion
@@ -105,6 +112,12 @@ def solve_skeleton(points: Points, *, progress: Progress | None = None) -> Motio
         If there are fewer than 8 frames in which the body is seen.
     Cancelled
         If `progress` returned False.
+
+    Examples
+    --------
+    >>> motion = rl.solve_skeleton(rl.read_points("keypoints.trc"))
+    >>> len(motion), motion.skeleton.n_joints
+    (429, 16)
     """
     solved = solve(points, progress=progress)
     start, stop = solved.frames

@@ -79,6 +79,13 @@ class Behaviour:
     passages : (R, n) ndarray
         When each repetition passes each of n phases, in frames of the take; NaN where it does
         not. Rows that follow each other without a gap are one run.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> behaviour = rl.understand(walk).behaviours[0]
+    >>> behaviour.kind, behaviour.limbs, round(behaviour.period, 2)
+    ('cyclic', ('left arm', 'right arm', 'left leg', 'right leg'), 1.1)
     """
 
     kind: Kind
@@ -119,6 +126,13 @@ class Timeline:
         What may repeat, but rather does not.
     name : str
         Of the take.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> told = rl.understand(walk)
+    >>> told.limbs, len(told.cyclic)
+    (('left arm', 'right arm', 'left leg', 'right leg', 'trunk'), 1)
     """
 
     n_frames: int

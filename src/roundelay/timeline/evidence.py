@@ -71,6 +71,13 @@ class Evidence:
     aligned : bool
         `turns` are of the repetitions' alignment, since no class of the barcode goes around with
         them.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> evidence = rl.find_periodic(walk)[0]
+    >>> round(evidence.period, 2), round(evidence.repetitions)
+    (66.0, 6)
     """
 
     runs: Spans

@@ -58,6 +58,13 @@ class TopologyOptions(Checked):
     ------
     ValueError
         If a value is out of range.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> topology = rl.TopologyOptions(prime=3, class_index=0)
+    >>> len(rl.find_cycles(walk, rl.Options(topology=topology)))
+    1
     """
 
     title: ClassVar[str] = "What topology sees"
@@ -145,6 +152,13 @@ class Options(Checked):
     ------
     ValueError
         If a value is out of range.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> options = rl.Options(frames=(0, 90), most=1)
+    >>> [round(cycle.period, 2) for cycle in rl.find_cycles(walk, options)]
+    [1.1]
     """
 
     title: ClassVar[str] = "What is looked for"

@@ -40,6 +40,14 @@ class CycleSpace:
     ----------
     cycles : tuple of Cycle
         Aligned to the first; use `CycleSpace.of` to make them so.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> run = rl.read("run.bvh")
+    >>> gaits = rl.CycleSpace.of([rl.find_cycles(take)[0] for take in (walk, run)])
+    >>> [round(gaits.cycle([1.0 - share, share]).period, 2) for share in (0.0, 0.5, 1.0)]
+    [1.1, 0.91, 0.75]
     """
 
     cycles: tuple[Cycle, ...]
@@ -230,7 +238,17 @@ def blend(
     by: Criterion = "poses",
     mirror: bool = False,
 ) -> Cycle:
-    """Align cycles and blend them with convex weights ([A] 4.5); see `CycleSpace`."""
+    """Align cycles and blend them with convex weights ([A] 4.5); see `CycleSpace`.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> run = rl.read("run.bvh")
+    >>> first, second = (rl.find_cycles(take)[0] for take in (walk, run))
+    >>> jog = rl.blend([first, second], [0.5, 0.5])
+    >>> first.period > jog.period > second.period
+    True
+    """
     return CycleSpace.of(cycles, by=by, mirror=mirror).cycle(weights)
 
 
@@ -277,6 +295,15 @@ def transition(
         longer than an hour, or the frame rate is not positive, or beyond 10,000.
     SkeletonMismatch
         If the skeletons differ.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> run = rl.read("run.bvh")
+    >>> first, second = (rl.find_cycles(take)[0] for take in (walk, run))
+    >>> motion = rl.transition(first, second, seconds=0.5, before=1.0, after=1.0, fps=30.0)
+    >>> len(motion)
+    76
     """
     first, second = expected(Cycle, first), expected(Cycle, second)
     if not (0.0 < seconds <= 60 and 0.0 <= before <= 3600 and 0.0 <= after <= 3600):

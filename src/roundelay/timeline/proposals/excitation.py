@@ -131,6 +131,13 @@ def excitations(
         If there are fewer than 4 frames.
     LiftError
         If a class lifts to no integer cocycle.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> found = rl.excitations(rl.point_cloud(walk), walk.fps)
+    >>> found.barcode
+    Barcode(8 bars of 429 points, mod 47)
     """
     x = np.asarray(points, float)
     _check(x, fps, metric, period, classes)

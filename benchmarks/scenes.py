@@ -5,15 +5,16 @@ Usage: python -m benchmarks.scenes --blenders PYTHONS [--real FOLDER] [--fuzz FI
 Each Blender, a Python that has bpy, makes FBX and glTF of one body in the options of its exporters
 that matter (`benchmarks/inside/scenes.py`), and imports them; the first one those of ``--real``,
 too. Our poses are compared with its own at up to 20 keyed frames: within .1 degree and .1 % of the
-body's size they are equal. Of Blender's two importers of FBX the second is asked where poses differ
-from the first, which leaves out some movement. ``--fuzz`` names what ``python -m tests.fuzz``
-printed, in one run or several.
+body's size they are equal. Of Blender's two importers of FBX the newer one, that of the Blender
+named last, is asked where poses differ from the older one, which leaves out some movement.
+``--fuzz`` names what ``python -m tests.fuzz`` printed, in one run or several.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import tempfile
 import warnings
 from collections.abc import Sequence
@@ -61,7 +62,7 @@ def _scenes(blenders: Sequence[Path], real: Path | None) -> list[Compared]:
     """Compare files that each Blender makes, and those of others, with its importers."""
     others = [] if real is None else _animated(real)
     given = [others, *([[]] * (len(blenders) - 1))]
-    with ThreadPoolExecutor(len(blenders)) as pool:
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
         last = [blenders[-1]] * len(blenders)
         return [row for rows in pool.map(_of_one, blenders, last, given) for row in rows]
 

@@ -46,6 +46,17 @@ exclude_patterns = [
 html_theme = "furo"
 html_title = "roundelay"
 html_static_path: list[str] = []
+templates_path = ["_templates"]
+html_sidebars = {
+    "**": [
+        "sidebar/brand.html",
+        "sidebar/search.html",
+        "sidebar/scroll-start.html",
+        "sidebar/navigation.html",
+        "sidebar/versions.html",
+        "sidebar/scroll-end.html",
+    ]
+}
 html_theme_options = {
     "light_css_variables": {"color-brand-primary": "#33415c", "color-brand-content": "#c33c50"},
     "dark_css_variables": {"color-brand-primary": "#c9d2e2", "color-brand-content": "#f4808c"},

@@ -52,8 +52,8 @@ def close(
     """Make a loop of frames that do not repeat: near ends that fit are joined.
 
     Writes NAME_closed.bvh and NAME_closed.json, or names as -o says. The ends of --frames are moved
-    by up to 15 % of the range to where pose and speed are most alike, and what they still lack dies
-    away behind the join; with --ping-pong the frames are played there and back. What repeats is for
+    by up to 15 % of the range to where pose and speed are most alike. What they still lack dies
+    away behind the join. With --ping-pong the frames are played there and back. What repeats is for
     `loop`.
     """
     with one_line_errors(capture):

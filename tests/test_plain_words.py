@@ -1,4 +1,7 @@
-"""What everybody reads first is plain: no sentence of the README or of the help over 30 words."""
+"""What everybody reads first is plain, and leads somewhere.
+
+No sentence of the README or of the help has over 30 words; links between pages lead to pages.
+"""
 
 import re
 from pathlib import Path
@@ -8,7 +11,9 @@ from typer.main import get_command
 
 from roundelay.cli import app
 
-README = Path(__file__).parent.parent / "README.md"
+ROOT = Path(__file__).parent.parent
+README = ROOT / "README.md"
+PAGES = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
 MOST = 30
 COMMANDS = get_command(app).commands
 
@@ -42,3 +47,10 @@ def test_sentences_of_the_help_are_short(name):
 
 def test_a_long_sentence_is_noticed():
     assert _long(["word " * (MOST + 1)])
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_to_pages(page):
+    for link in re.findall(r"\]\(([^)#\s]+)", page.read_text()):
+        made = "_made/" in link or "_made" in page.parts
+        assert made or re.match(r"[a-z]+:", link) or (page.parent / link).exists(), link

@@ -7,15 +7,17 @@ from typing import Any
 
 import bpy
 
-from roundelay import Cycle, Motion, RoundelayError, SkeletonMismatch, blend
+from roundelay import Cycle, Motion, RoundelayError, blend
 from roundelay.loops.recipe import rendered
 
 from .capture import armatures_of
-from .compat import Armature, Context, State
+from .compat import Armature, Context, State, assign
+from .keyed import keyed_of
 from .loops import cycle_of_loop, loop_of, moved_apart, render_of
 from .reading import read
 from .rig import Rig, rig_of
-from .writing import SOURCE, show, write_loop
+from .takes import take_of
+from .writing import SOURCE, bone_tracks, is_loop, show, write_tracks
 
 
 class ROUNDELAY_OT_blend(bpy.types.Operator):
@@ -53,21 +55,20 @@ class ROUNDELAY_OT_blend(bpy.types.Operator):
 
 def _blended(context: Context, armature: Armature, weight: float) -> bpy.types.Action:
     settings, scene = context.scene.roundelay, context.scene
-    if armature.animation_data is None:
-        raise SkeletonMismatch(f"{armature.name} has no action")
-    before = armature.animation_data.action
+    before = take_of(armature).action
     loops = settings.blend_first, settings.blend_second
     try:
         (rig, first, capture), (_, second, other) = [_read(scene, armature, a) for a in loops]
     finally:
-        show(armature, before)
+        show(armature, before) if is_loop(before) else assign(armature.animation_data, before)
     fps = scene.render.fps / scene.render.fps_base
     mixed, sources = blend([first, second], [1.0 - weight, weight]), (capture, other)
     made = rendered(mixed, [m.with_root_motion() for m in sources], render_of(settings, fps))
     settings.notes = moved_apart(made.parted)
     loop = loop_of(made.cycle, capture, settings, fps)
     name = f"Blend {loops[0].name} {loops[1].name}"
-    action = write_loop(rig, loop, name, start=int(loops[0].frame_start))
+    tracks = bone_tracks(rig, loop, keyed_of(armature, take_of(armature)))
+    action = write_tracks(armature, tracks, name, start=int(loops[0].frame_start))
     action[SOURCE] = loops[0]
     show(armature, action)
     return action

@@ -7,12 +7,12 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 import bpy
-import numpy as np
 
 from roundelay import SkeletonMismatch
 
-from . import compat
 from .compat import Armature, State
+from .keyed import span
+from .takes import curves_of
 
 # Importers key what does not change, with the noise of single precision: less is no change.
 _LEAST = 1e-4
@@ -24,7 +24,7 @@ def animated_bones(armature: Armature) -> State:
     """Name the bones that curves or constraints move."""
     moving = {bone.name for bone in armature.pose.bones if any(c.enabled for c in bone.constraints)}
     for name, _, curve in _bone_curves(armature):
-        if name not in moving and _span(curve) > 0.0:
+        if name not in moving and span(curve) > 0.0:
             moving.add(name)
     return moving
 
@@ -34,7 +34,7 @@ def scaled_bones(armature: Armature) -> State:
     return {
         name
         for name, channel, curve in _bone_curves(armature)
-        if channel == "scale" and _span(curve) > _LEAST
+        if channel == "scale" and span(curve) > _LEAST
     }
 
 
@@ -43,25 +43,20 @@ def travels(armature: Armature, bone: Any) -> bool:
     if any(constraint.enabled for constraint in bone.constraints):
         return True
     return any(
-        name == bone.name and channel == "location" and _span(curve) > 0.0
+        name == bone.name and channel == "location" and span(curve) > 0.0
         for name, channel, curve in _bone_curves(armature)
     )
 
 
 def moves(thing: Any) -> bool:
     """Tell whether an object's own action moves it as a whole."""
-    data = thing.animation_data
-    if data is None or data.action is None:
-        return False
-    return any(
-        curve.data_path in _PLACING and _span(curve) > _LEAST for curve in compat.fcurves(data)
-    )
+    return any(curve.data_path in _PLACING and span(curve) > _LEAST for curve in curves_of(thing))
 
 
 def placing_curves(armature: Armature) -> list[Any]:
     """Return the curves that place the object itself."""
-    curves = compat.fcurves(armature.animation_data)
-    return [curve for curve in curves if curve.data_path in (*_PLACING, "scale", "delta_scale")]
+    placing = (*_PLACING, "scale", "delta_scale")
+    return [curve for curve in curves_of(armature) if curve.data_path in placing]
 
 
 def main_root(moving: Sequence[Any]) -> Any:
@@ -101,20 +96,13 @@ def left_out(armature: Armature, taken: Collection[str]) -> Iterator[str]:
         if moves(parent):
             yield f"{parent.name} moves {armature.name}: not in the loop, goes on as it is"
         parent = parent.parent
-    if any(c.data_path == "scale" and _span(c) > _LEAST for c in placing_curves(armature)):
+    if any(c.data_path == "scale" and span(c) > _LEAST for c in placing_curves(armature)):
         yield f"scale of {armature.name} itself is not in the loop"
 
 
 def _bone_curves(armature: Armature) -> Iterator[tuple[str, str, Any]]:
     """Yield the curves of bones, each with its bone's name and its property."""
-    for curve in compat.fcurves(armature.animation_data):
+    for curve in curves_of(armature):
         parts = curve.data_path.split('"')
         if len(parts) == 3 and parts[0] == "pose.bones[":
             yield bpy.utils.unescape_identifier(parts[1]), parts[2][2:], curve
-
-
-def _span(curve: Any) -> float:
-    """Return by how much a curve changes; infinite where it is made by modifiers alone."""
-    points = np.empty(2 * len(curve.keyframe_points), np.float32)
-    curve.keyframe_points.foreach_get("co", points)
-    return float(np.ptp(points[1::2])) if len(points) else float("inf")

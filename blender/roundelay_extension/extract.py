@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from math import degrees
 from typing import Any
@@ -13,10 +14,10 @@ import bpy
 from roundelay import (
     Loop,
     LoopOptions,
-    Motion,
     NoPeriod,
     Options,
     RoundelayError,
+    SkeletonMismatch,
     find_cycles,
     segment,
 )
@@ -27,10 +28,12 @@ from roundelay.timeline.inspection import Inspection, inspect
 from . import plots
 from .bones import left_out
 from .capture import Capture, armatures_of, has_armature, read_capture
+from .checking import Played
 from .compat import Armature, Context
+from .exact import nearer
 from .jobs import LongOperator, Progress, Steps, threaded
+from .making import NotKept, finish, make_action
 from .loops import cycles_by_hand, loop_of, moved_apart, options_of, render_of
-from .writing import PLACE, SOURCE, add_strip, show, write_loop
 
 # How many ranges of frames are listed.
 _SHOWN = 3
@@ -68,28 +71,64 @@ class ROUNDELAY_OT_extract(LongOperator, bpy.types.Operator):
 
 def _extract(context: Context, armature: Armature, settings: Any, whose: str) -> Steps[None]:
     capture = yield from read_capture(context, armature, settings)
-    if settings.mirror:
-        capture.rig.require_both_sides()
-    if context.mode != "POSE":
+    _require_possible(capture, settings)
+    if context.mode != "POSE" and capture.rig is not None:
         names = [bone.name for bone in capture.rig.bones]
         settings.notes += "".join(f"{whose}{line}\n" for line in left_out(armature, names))
     options = options_of(settings)
     output = context.scene.render
-    fps = output.fps / output.fps_base
     try:
-        render = render_of(settings, fps)
+        render = render_of(settings, output.fps / output.fps_base)
+        if capture.rig is None:
+            render = replace(render, repair=False)
         search = partial(_search, capture, options, settings.per_behaviour, render)
         found = yield from threaded(search)
     except NoPeriod as refusal:
         raise NoPeriod(capture.in_scene(str(refusal))) from refusal
+    yield from _make(context, capture, found, settings)
+
+
+def _require_possible(capture: Capture, settings: Any) -> None:
+    """Check that what is asked for can be done with the rig."""
+    if not settings.mirror:
+        return
+    if capture.rig is None:
+        raise SkeletonMismatch(
+            f"{capture.armature.name} moves by controls, which are not mirrored: switch Mirror off"
+        )
+    capture.rig.require_both_sides()
+
+
+def _make(context: Context, capture: Capture, found: list[Loop], settings: Any) -> Steps[None]:
+    """Write the loops that play as was meant; the first one is shown."""
+    kept, faults = [], []
     for number, made in enumerate(found, 1):
+        name = f"Periodic {capture.take.action.name}" + (f" {number}" if number > 1 else "")
+        steps = make_action(capture, made, name, context.scene, settings)
+        try:
+            while True:
+                yield next(steps), f"playing {name}"
+        except StopIteration as end:
+            action, played = end.value
+        except NotKept as fault:
+            faults.append(f"{name} {fault}")
+            continue
         settings.notes += moved_apart(made.parted)
-        loop = loop_of(made.cycle, capture.motion, settings, fps)
-        action = _write(capture, loop, number, settings)
-        _report(settings, capture, action, made)
+        _report(settings, capture, action, made, played)
+        kept.append(action)
         if settings.use_plots:
-            folder = bpy.path.abspath(settings.plot_folder)
-            plots.write(capture.motion, made.cycle, loop, folder, action.name)
+            _plot(context, capture, made, action.name)
+    settings.notes += "".join(f"{fault}\n" for fault in faults)
+    if not kept:
+        raise NotKept(faults[0])
+    for action in kept:
+        finish(capture, action, settings, first=action == kept[0])
+
+
+def _plot(context: Context, capture: Capture, made: Loop, name: str) -> None:
+    settings, output = context.scene.roundelay, context.scene.render
+    loop = loop_of(made.cycle, capture.motion, settings, output.fps / output.fps_base)
+    plots.write(capture.motion, made.cycle, loop, plots.folder_of(settings), name)
 
 
 def _search(
@@ -104,27 +143,18 @@ def _search(
     else:
         cycles = find_cycles(motion, options, progress=progress)
     progress(1.0, "measuring loops")
+    if options.method == "auto" and capture.rig is not None:
+        cycles = [nearer(cycle, motion, render.fps or motion.fps) for cycle in cycles]
     return [made_loop(cycle, motion, render) for cycle in cycles]
 
 
-def _write(capture: Capture, loop: Motion, number: int, settings: Any) -> bpy.types.Action:
-    """Make the action of a loop; the first one is shown."""
-    name = f"Periodic {capture.action.name}" + (f" {number}" if number > 1 else "")
-    armature = capture.rig.armature
-    action = write_loop(capture.rig, loop, name, start=capture.first, key_step=settings.key_step)
-    action[SOURCE] = capture.action
-    if capture.reading.place is not None:
-        action[PLACE] = capture.reading.place.ravel().tolist()
-    capture.action.use_fake_user = True
-    if settings.use_strip:
-        add_strip(armature, action, settings.repeat)
-    if number == 1:
-        show(armature, action)
-    return action
-
-
-def _report(settings: Any, capture: Capture, action: bpy.types.Action, made: Loop) -> None:
+def _report(
+    settings: Any, capture: Capture, action: bpy.types.Action, made: Loop, played: Played
+) -> None:
     item, cycle, figures = settings.loops.add(), made.cycle, made.quality
+    item.armature = capture.armature
+    item.by_hand, item.away, item.join = bool(capture.chosen), played.away, played.join
+    item.controls = capture.rig is None
     item.verdict = str(made.verdict)
     item.action, item.period, item.turning = action, cycle.period, degrees(cycle.turning)
     item.frames = capture.in_scene(f"Frames {_listed(cycle.evidence.runs)}")

@@ -44,6 +44,17 @@ def threaded(call: Callable[[Progress], Result]) -> Steps[Result]:
         return future.result()
 
 
+def aside(call: Callable[[], Result]) -> Generator[float, None, Result]:
+    """Run a function in a thread likewise; what is yielded says that it is nearly done."""
+    steps = threaded(lambda _: call())
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return end.value  # type: ignore[no-any-return]
+        yield 0.99
+
+
 class LongOperator:
     """Drive the generator `steps` of an operator to its end, a slice at a time, or cancel it.
 

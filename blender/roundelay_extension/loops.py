@@ -91,19 +91,19 @@ def loop_of(cycle: Cycle, capture: Motion, settings: Any, fps: float) -> Motion:
     loop = cycle.sample(**sampling, repeat_first=True).with_root_motion()
     still = cycle.sample(**sampling, repeat_first=True, in_place=True).with_root_motion()
     none = np.zeros_like(loop.root_path)
-    path = _by_axis(settings, loop.root_path, still.root_path, none)
+    path = by_axis(settings, loop.root_path, still.root_path, none)
     begin = _beginning(cycle, capture, path)
     loop = replace(loop, root_path=path + begin)
     if cycle.above is not None:
         steady = cycle.steady_path(settings.start_phase + np.linspace(0.0, 1.0, len(loop)))
         flat = np.where(np.arange(3) == cycle.up, 0.0, begin)
         above = replace(cycle.above, places=cycle.above.places + flat)
-        steady = _by_axis(settings, steady, none, none)
+        steady = by_axis(settings, steady, none, none)
         loop = above.given(loop, rot.identity(len(loop)), steady)
     return loop.mirror() if settings.mirror else loop
 
 
-def _by_axis(settings: Any, travel: np.ndarray, sway: np.ndarray, none: np.ndarray) -> np.ndarray:
+def by_axis(settings: Any, travel: np.ndarray, sway: np.ndarray, none: np.ndarray) -> np.ndarray:
     """Return the path (F, 3) of which every axis is what the panel says."""
     paths = {"TRAVEL": travel, "SWAY": sway, "NONE": none}
     models = [settings.travel] * 3

@@ -77,17 +77,20 @@ class ROUNDELAY_PT_main(_Panel, bpy.types.Panel):
         )
         length = item.action.frame_end - item.action.frame_start
         column.label(text=f"{length:.0f} frames, {item.period:.2f} s")
-        column.label(text=f"{item.repetitions:.1f} times seen, {item.confidence:.0%} sure")
+        sure = "chosen by hand" if item.by_hand else f"{item.confidence:.0%} sure"
+        column.label(text=f"{item.repetitions:.1f} times seen, {sure}")
         _draw_lines(column, context, item.frames)
         column.label(text=f"Seam {item.seam:.1f}\u00b0, steps up to {item.step:.1f}\u00b0")
+        on = "on the controls, " if item.controls else ""
+        played = f"Played back: {on}within {item.away:.1%} of the body, join {item.join:.2f}"
+        _draw_lines(column, context, played)
         if abs(item.turning) >= _TURNS:
             turned = f"Turned {abs(item.turning):.0f}\u00b0 a period; heads straight on now"
             _draw_lines(column, context, turned)
 
     def _toggle_text(self, context: Context) -> str:
         armature = context.active_object
-        data = armature.animation_data if armature is not None else None
-        other = counterpart(context.scene, data.action) if data is not None else None
+        other = counterpart(context.scene, armature) if armature is not None else None
         return "Capture / Loop" if other is None else f"Show {other.name}"
 
 

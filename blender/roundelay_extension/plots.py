@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
+import bpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +18,20 @@ from roundelay.motion.poses import principal_components
 _SIZE, _MARGIN = 600, 30
 # What the name of an action may hold and that of a file may not, on Windows: "Armature|walk".
 _FORBIDDEN = re.compile(r'[\x00-\x1f"*/:<>?\\|]')
+
+
+def folder_of(settings: Any) -> str:
+    """Return the folder asked for.
+
+    Raises
+    ------
+    ValueError
+        If it is beside a file that was never saved.
+    """
+    folder: str = settings.plot_folder
+    if folder.startswith("//") and not bpy.data.filepath:
+        raise ValueError("the file is not saved, so that // is nowhere: save it or choose a folder")
+    return bpy.path.abspath(folder)
 
 
 def write(motion: Motion, cycle: Cycle, loop: Motion, folder: str, name: str) -> Path:

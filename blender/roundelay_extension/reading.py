@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,10 +14,13 @@ from numpy.typing import NDArray
 from roundelay import Motion
 from roundelay.geometry import rotations as rot
 
-from . import compat
 from .bones import placing_curves
 from .compat import Armature
+from .jobs import aside
+from .keyed import values_of
+from .playing import play
 from .rig import Channels, Rig
+from .takes import curves_of
 
 Array = NDArray[np.float64]
 Curves = dict[tuple[str, int], Any]
@@ -43,17 +46,21 @@ class Reading:
         return replace(self, motion=replace(thin, frame_time=self.motion.frame_time * step))
 
 
-def read(rig: Rig, scene: bpy.types.Scene, frames: range) -> Generator[float, None, Reading]:
+def read(
+    rig: Rig, scene: bpy.types.Scene, frames: range, name: str = ""
+) -> Generator[float, None, Reading]:
     """Read what a rig does at some frames of the scene, yielding the fraction done."""
+    places = None
     if _must_play(rig):
         channels, places = yield from _played(rig, scene, frames)
     else:
-        channels, places = _from_curves(rig, frames), _places(rig.armature, frames)
+        channels = yield from _from_curves(rig, frames)
+        if rig.carried:
+            places = yield from _places(rig.armature, frames)
+    placed = np.linalg.inv(places[0]) @ places if rig.carried else None
     frame_time = scene.render.fps_base / scene.render.fps
-    if not rig.carried:
-        return Reading(rig.motion(channels, None, frame_time), None)
-    placed = np.linalg.inv(places[0]) @ places
-    return Reading(rig.motion(channels, placed, frame_time), places[0])
+    motion = yield from aside(lambda: rig.motion(channels, placed, frame_time, name))
+    return Reading(motion, places[0] if rig.carried else None)
 
 
 def _must_play(rig: Rig) -> bool:
@@ -68,22 +75,21 @@ def _is_special(bone: Any) -> bool:
     return not bone.bone.use_inherit_rotation or any(c.enabled for c in bone.constraints)
 
 
-def _from_curves(rig: Rig, frames: range) -> Channels:
-    curves = {
-        (curve.data_path, curve.array_index): curve
-        for curve in compat.fcurves(rig.armature.animation_data)
-    }
+def _from_curves(rig: Rig, frames: range) -> Generator[float, None, Channels]:
+    curves = {(one.data_path, one.array_index): one for one in curves_of(rig.armature)}
     at = np.array(frames, float)
-    return Channels(
-        np.stack([_rotations(bone, curves, at) for bone in rig.bones], axis=1),
-        np.stack([_locations(bone, curves, at) for bone in rig.bones], axis=1),
-        np.stack([_channel(bone, "scale", curves, at) for bone in rig.bones], axis=1)
-        if rig.scaled
-        else None,
-    )
+    rotations, locations, scales = [], [], []
+    for number, bone in enumerate(rig.bones):
+        rotations.append(_rotations(bone, curves, at))
+        locations.append(_locations(bone, curves, at))
+        if rig.scaled:
+            scales.append(_channel(bone, "scale", curves, at))
+        yield number / len(rig.bones)
+    scaled = np.stack(scales, axis=1) if rig.scaled else None
+    return Channels(np.stack(rotations, axis=1), np.stack(locations, axis=1), scaled)
 
 
-def _places(armature: Armature, frames: range) -> Array:
+def _places(armature: Armature, frames: range) -> Generator[float, None, Array]:
     """Return the armature's own matrices (F, 4, 4), as its curves set them one after the other."""
     curves = [(getattr(armature, c.data_path), c) for c in placing_curves(armature)]
     before = [(values, c.array_index, values[c.array_index]) for values, c in curves]
@@ -93,6 +99,7 @@ def _places(armature: Armature, frames: range) -> Array:
             for values, curve in curves:
                 values[curve.array_index] = curve.evaluate(frame)
             matrices[row] = armature.matrix_basis
+            yield row / len(frames)
     finally:
         for values, index, value in before:
             values[index] = value
@@ -123,7 +130,7 @@ def _channel(bone: Any, name: str, curves: Curves, frames: Array) -> Array:
     """Return a property of a bone over time, (F, size); where it has no curve, as it is now."""
     path = bone.path_from_id(name)
     columns = [
-        _values(curves[path, index], frames)
+        values_of(curves[path, index], frames)
         if (path, index) in curves
         else np.full(len(frames), value)
         for index, value in enumerate(getattr(bone, name))
@@ -131,46 +138,20 @@ def _channel(bone: Any, name: str, curves: Curves, frames: Array) -> Array:
     return np.stack(columns, axis=1)
 
 
-def _values(curve: Any, frames: Array) -> Array:
-    """Return a curve's values; its keys as they are if there is one at every frame."""
-    if len(curve.modifiers) == 0:
-        keys = np.empty(2 * len(curve.keyframe_points), np.float32)
-        curve.keyframe_points.foreach_get("co", keys)
-        first = int(np.searchsorted(keys[::2], frames[0]))
-        run = keys.reshape(-1, 2)[first : first + len(frames)]
-        if np.array_equal(run[:, 0], frames):
-            return run[:, 1].astype(float)
-    return np.array([curve.evaluate(frame) for frame in frames])
-
-
 def _played(
     rig: Rig, scene: bpy.types.Scene, frames: range
 ) -> Generator[float, None, tuple[Channels, Array]]:
     """Set every frame and take the bones from where they are, parents thought at rest."""
-    pose, current = rig.armature.pose.bones, scene.frame_current
+    pose = rig.armature.pose.bones
     where = {bone.name: index for index, bone in enumerate(pose)}
-    matrices, places = np.empty((len(frames), len(pose), 4, 4)), np.empty((len(frames), 4, 4))
-    buffer = np.empty(16 * len(pose), np.float32)
-    try:
-        for row in _visited(scene, frames):
-            pose.foreach_get("matrix", buffer)
-            matrices[row] = buffer.reshape(-1, 4, 4).transpose(0, 2, 1)
-            places[row] = rig.armature.matrix_basis
-            yield row / len(frames)
-    finally:
-        scene.frame_set(current)
+    seen = yield from play(rig.armature, scene, frames, pose.keys())
+    matrices, places = seen.matrices, seen.places
     rest = np.array([bone.bone.matrix_local for bone in pose])
     parents = [where[bone.parent.name] if bone.parent else -1 for bone in pose]
     own = _relative(matrices, rest, parents)[:, [where[bone.name] for bone in rig.bones]]
     turn, scales = own[..., :3, :3], np.linalg.norm(own[..., :3, :3], axis=-2)
     rotations = rot.from_matrix(turn / scales[..., None, :])
     return Channels(rotations, own[..., :3, 3], scales if rig.scaled else None), places
-
-
-def _visited(scene: bpy.types.Scene, frames: range) -> Iterator[int]:
-    for row, frame in enumerate(frames):
-        scene.frame_set(frame)
-        yield row
 
 
 def _relative(matrices: Array, rest: Array, parents: list[int]) -> Array:

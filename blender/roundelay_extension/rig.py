@@ -74,7 +74,9 @@ class Rig:
     base: Array
     up: int
 
-    def motion(self, channels: Channels, placed: Array | None, frame_time: float) -> Motion:
+    def motion(
+        self, channels: Channels, placed: Array | None, frame_time: float, name: str = ""
+    ) -> Motion:
         """Make a motion of what is keyed.
 
         Parameters
@@ -83,6 +85,7 @@ class Rig:
         placed : (F, 4, 4) ndarray or None
             The armature relative to its first frame, where that is carried.
         frame_time : float
+        name : str
         """
         rotations = rot.multiply(rot.multiply(self.rest, channels.rotations), self._back)
         rotations[:, ~self.keyed] = (1.0, 0.0, 0.0, 0.0)
@@ -99,7 +102,7 @@ class Rig:
             root_path=path,
             frame_time=frame_time,
             translations=self._translations(moved, channels.scales),
-            name=self.armature.animation_data.action.name,
+            name=name,
             up=self.up,
         )
 

@@ -61,12 +61,12 @@ def _markers(scene: Any, capture: Capture, parts: tuple[Segment, ...], step: int
 
 def _strips(scene: Any, capture: Capture, parts: tuple[Segment, ...], step: int) -> None:
     """Put a strip for each behaviour on a muted track: the action itself goes on playing."""
-    track = capture.rig.armature.animation_data.nla_tracks.new()
-    track.name, track.mute = f"Behaviours {capture.action.name}", True
+    track = capture.armature.animation_data.nla_tracks.new()
+    track.name, track.mute = f"Behaviours {capture.take.action.name}", True
     for part in parts:
         start, stop = _frames(capture, part, step)
-        strip = track.strips.new(_name(part), start, capture.action)
-        compat.assign(strip, capture.action)
+        strip = track.strips.new(_name(part), start, capture.take.action)
+        compat.assign(strip, capture.take.action)
         strip.action_frame_start, strip.action_frame_end = start, stop
         strip.frame_start, strip.frame_end = start, stop
 

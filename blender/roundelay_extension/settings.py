@@ -45,6 +45,11 @@ class LoopReport(bpy.types.PropertyGroup):
     """One loop that was made."""
 
     action: PointerProperty(type=bpy.types.Action)
+    armature: PointerProperty(type=bpy.types.Object)
+    controls: BoolProperty()
+    by_hand: BoolProperty()
+    away: FloatProperty()
+    join: FloatProperty()
     verdict: StringProperty()
     period: FloatProperty()
     repetitions: FloatProperty()

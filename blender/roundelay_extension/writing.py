@@ -3,109 +3,137 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import bpy
 import numpy as np
-from mathutils import Matrix, Quaternion
+from mathutils import Matrix
 from numpy.typing import NDArray
 
 from roundelay import Motion
-from roundelay.geometry import rotations as rot
+from roundelay.geometry.symmetry import partners
 
 from . import compat
 from .compat import Armature
+from .keyed import ROTATIONS, Keyed, Property
 from .rig import Rig
+from .takes import Take
+from .tracks import Track, angles_of, rows_of
 
 Array = NDArray[np.float64]
 
-SOURCE, PLACE = "roundelay_source", "roundelay_place"
-_LINEAR, _BEZIER, _AUTO_CLAMPED = 1, 2, 4
+# What a loop knows of its capture: the action and its slot, whether strips of the NLA played, and
+# whether they alone did; where its armature stood.
+SOURCE, SLOT, STRIPS, BARE = (f"roundelay_{n}" for n in ("source", "slot", "strips", "bare"))
+PLACE = "roundelay_place"
+_CONSTANT, _LINEAR, _BEZIER, _AUTO_CLAMPED = 0, 1, 2, 4
 
 
-def write_loop(
-    rig: Rig, loop: Motion, name: str, *, start: int, key_step: int = 1
+def write_tracks(
+    armature: Armature, tracks: Iterable[Track], name: str, *, start: int, key_step: int = 1
 ) -> bpy.types.Action:
-    """Make an action of a loop whose last frame is the first again, moved on by its travel.
+    """Make an action of a loop.
 
     Parameters
     ----------
-    rig : Rig
-    loop : Motion
-        On the rig's skeleton, a frame of the scene each.
+    armature : bpy.types.Object
+    tracks : iterable of Track
+        A row a frame of the scene, the last the first again.
     name : str
     start : int
         Frame of the first key.
     key_step : int
         Put a key at every key_step-th frame only.
     """
-    action, place = compat.new_action(name, rig.armature)
-    taken = [*range(0, len(loop) - 1, key_step), len(loop) - 1]
-    frames = start + np.array(taken, float)
-    rotations, locations, scales = rig.channels(loop)
-    for joint in np.flatnonzero(rig.keyed):
-        bone = rig.bones[joint]
-        channels = [*_curves(bone, rotations[taken, joint])]
-        if np.abs(locations[taken, joint]).max() > 1e-6 * rig.skeleton.size:
-            channels.append(("location", locations[taken, joint]))
-        if scales is not None:
-            channels.append(("scale", scales[taken, joint]))
-        for path, values in channels:
-            away = np.abs(values[-1] - values[0]).max() > 1e-6 * rig.skeleton.size
-            travels = path == "location" and (joint == 0 or away)
-            _add(place, bone, path, frames, values, travels=travels, smooth=key_step > 1)
+    new, last = compat.NewAction(name, armature), 0
+    for track in tracks:
+        last = len(track.rows) - 1
+        step = 1 if track.stepped else key_step
+        taken = [*range(0, last, step), last]
+        for index in track.indices:
+            user = None if track.target.owner == armature else track.target.owner
+            curve = new.curve(track.target.path, index, track.group, user)
+            values = track.rows[taken, index]
+            _fill(curve, start + np.array(taken, float), values, _LINEAR if step == 1 else _BEZIER)
+            if track.stepped:
+                _step(curve)
+            modifier: Any = curve.modifiers.new("CYCLES")
+            onward = track.goes_on(index)
+            modifier.mode_before = modifier.mode_after = "REPEAT_OFFSET" if onward else "REPEAT"
+            curve.update()
+    action = new.action
     action.use_frame_range, action.use_cyclic, action.use_fake_user = True, True, True
-    action.frame_start, action.frame_end = start, start + len(loop) - 1
+    action.frame_start, action.frame_end = start, start + last
     return action
 
 
-def _curves(bone: Any, rotations: Array) -> Iterator[tuple[str, Array]]:
+def _fill(curve: Any, frames: Array, values: Array, interpolation: int) -> None:
+    points, count = curve.keyframe_points, len(frames)
+    points.add(count)
+    points.foreach_set("co", np.column_stack([frames, values]).ravel())
+    points.foreach_set("interpolation", [interpolation] * count)
+    for side in ("handle_left_type", "handle_right_type"):
+        points.foreach_set(side, [_AUTO_CLAMPED] * count)
+
+
+def _step(curve: Any) -> None:
+    curve.keyframe_points.foreach_set("interpolation", [_CONSTANT] * len(curve.keyframe_points))
+
+
+def bone_tracks(rig: Rig, loop: Motion, keyed: Keyed, *, mirror: bool = False) -> Iterator[Track]:
+    """Yield the tracks of what is keyed of bones, for a loop on their skeleton.
+
+    Parameters
+    ----------
+    rig : Rig
+    loop : Motion
+    keyed : Keyed
+        The root's place is keyed, too, where it takes the motion of the armature as a whole.
+    mirror : bool
+        The loop is a mirror image: what is keyed changes sides with it.
+    """
+    rotations, locations, scales = rig.channels(loop)
+    others = partners(rig.skeleton) if mirror else np.arange(rig.skeleton.n_joints)
+    for joint in np.flatnonzero(rig.keyed):
+        bone, other = rig.bones[joint], rig.bones[others[joint]].name
+        rows = {"location": locations[:, joint]}
+        if scales is not None:
+            rows["scale"] = scales[:, joint]
+        rows |= dict(_turned(bone, rotations[:, joint]))
+        taken = rig.carried and joint == 0
+        for name, values in rows.items():
+            one = Property(rig.armature, bone.path_from_id(name), bone.name, name)
+            onward = name == "location" and joint == 0
+            if (taken and name != "scale") or (mirror and keyed.has(other, name)):
+                yield Track(one, one.bone, tuple(range(values.shape[1])), values, onward=onward)
+            elif one in keyed.curves:
+                track = Track.of(one, keyed, values)
+                yield Track(one, track.group, track.indices, values, onward=onward)
+
+
+def _turned(bone: Any, rotations: Array) -> Iterator[tuple[str, Array]]:
     """Write rotations (n, 4), the last the first again, in the bone's own mode."""
-    if bone.rotation_mode == "QUATERNION":
-        rows = rot.continuous(rotations)
-        rows[-1] = rows[0] * np.sign(rows[0] @ rows[-1])
-        yield "rotation_quaternion", rows
-    elif bone.rotation_mode == "AXIS_ANGLE":
-        vectors = rot.to_rotation_vector(rot.normalize(rotations))
-        angles = np.linalg.norm(vectors, axis=1, keepdims=True)
-        rows = np.hstack([angles, np.where(angles > 1e-9, vectors, (0.0, 1.0, 0.0))])
-        rows[:, 1:] /= np.linalg.norm(rows[:, 1:], axis=1, keepdims=True)
-        rows[-1] = rows[0]
-        yield "rotation_axis_angle", rows
-    else:
-        yield "rotation_euler", _euler(rotations, bone.rotation_mode)
+    mode = bone.rotation_mode
+    name = next((name for name, one in ROTATIONS.items() if one == mode), "rotation_euler")
+    yield name, angles_of(rotations, mode) if name == "rotation_euler" else rows_of(rotations, name)
 
 
-def _euler(rotations: Array, order: str) -> Array:
-    """Return Euler angles (n, 3), each nearest to the one before; the last whole turns on."""
-    angles = [Quaternion(rotations[0]).to_euler(order)]
-    for rotation in rotations[1:]:
-        angles.append(Quaternion(rotation).to_euler(order, angles[-1]))
-    rows = np.array(angles)
-    turns = (rows[-1] - rows[0]) / (2.0 * np.pi)
-    if np.allclose(turns, np.round(turns), atol=1e-4):
-        rows[-1] = rows[0] + 2.0 * np.pi * np.round(turns)
-    return rows
+def steady_track(one: Property, keyed: Keyed, count: int) -> Track:
+    """Return the track of a property that does not change, over so many frames."""
+    return Track.of(one, keyed, np.tile(one.now(), (count, 1)))
 
 
-def _add(
-    place: Any, bone: Any, name: str, frames: Array, values: Array, *, travels: bool, smooth: bool
-) -> None:
-    """Add one curve a column of values (n, size), repeated before and after."""
-    path = bone.path_from_id(name)
-    for index, column in enumerate(values.T):
-        curve = compat.new_fcurve(place, path, index, bone.name)
-        points, count = curve.keyframe_points, len(frames)
-        points.add(count)
-        points.foreach_set("co", np.column_stack([frames, column]).ravel())
-        points.foreach_set("interpolation", [_BEZIER if smooth else _LINEAR] * count)
-        for side in ("handle_left_type", "handle_right_type"):
-            points.foreach_set(side, [_AUTO_CLAMPED] * count)
-        modifier: Any = curve.modifiers.new("CYCLES")
-        onward = travels or (name == "rotation_euler" and column[0] != column[-1])
-        modifier.mode_before = modifier.mode_after = "REPEAT_OFFSET" if onward else "REPEAT"
-        curve.update()
+def mark(action: bpy.types.Action, take: Take, armature: Armature, place: Array | None) -> None:
+    """Let a loop know its capture."""
+    action[SOURCE], action[BARE] = take.action, take.bare
+    action[STRIPS] = bool(take.strips)
+    slot = None if take.bare else compat.slot_of(armature.animation_data)
+    action[SLOT] = slot.identifier if slot else ""
+    if place is not None:
+        action[PLACE] = place.ravel().tolist()
+    if take.action.library is None:
+        take.action.use_fake_user = True
 
 
 def add_strip(armature: Armature, action: bpy.types.Action, repeat: float) -> None:
@@ -118,15 +146,47 @@ def add_strip(armature: Armature, action: bpy.types.Action, repeat: float) -> No
     strip.repeat = repeat
 
 
-def show(armature: Armature, action: bpy.types.Action) -> None:
-    """Let an action drive an armature.
+def is_loop(action: bpy.types.Action | None) -> bool:
+    """Tell whether an action is a loop made here."""
+    return action is not None and action.get(SOURCE) is not None
 
-    A loop has the armature's own motion in its root: the armature stands where it began.
+
+def show(armature: Armature, loop: bpy.types.Action) -> None:
+    """Let a loop drive an armature, and shape keys that its capture drives, alone.
+
+    A loop may have the armature's own motion in its root: the armature stands where it began.
     """
-    compat.assign(armature.animation_data, action)
-    place: Any = action.get(PLACE)
+    data = armature.animation_data
+    if loop.get(STRIPS):
+        data.use_nla = False
+    _pass_on(data.action or loop.get(SOURCE), loop)
+    compat.assign(data, loop)
+    place: Any = loop.get(PLACE)
     if place is not None:
         armature.matrix_basis = Matrix(np.reshape(place, (4, 4)).tolist())
+
+
+def show_capture(armature: Armature, loop: bpy.types.Action) -> None:
+    """Let the capture of a loop drive an armature again."""
+    data = armature.animation_data
+    while is_loop(loop[SOURCE]):
+        loop = loop[SOURCE]
+    _pass_on(data.action, loop[SOURCE])
+    if loop.get(BARE):
+        data.action = None
+    else:
+        compat.assign(data, loop[SOURCE], loop.get(SLOT, ""))
+    if loop.get(STRIPS):
+        data.use_nla = True
+
+
+def _pass_on(before: bpy.types.Action | None, action: bpy.types.Action) -> None:
+    """Let an action drive the shape keys that the one before drives."""
+    for keys in bpy.data.shape_keys:
+        data = keys.animation_data
+        if data is not None and before is not None and data.action == before:
+            name = getattr(compat.slot_of(data), "identifier", "")
+            compat.assign(data, action, name)
 
 
 def captured(action: bpy.types.Action) -> bpy.types.Action:

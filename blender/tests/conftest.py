@@ -1,6 +1,7 @@
 """Fixtures: the extension installed from its zip, an empty scene, captures imported."""
 
 import importlib
+import json
 import os
 import sys
 from pathlib import Path
@@ -96,3 +97,27 @@ def imported(name, mode):
 def jumps():
     """CMU 01_01: ten forward jumps."""
     return import_capture()
+
+
+@pytest.fixture(scope="session")
+def _figures():
+    """Keep the figures of rigs, and write them where they are asked for."""
+    found = {}
+    yield found
+    target = os.environ.get("ROUNDELAY_FIGURES")
+    if target:
+        Path(target).write_text(json.dumps(found, indent=1) + "\n")
+
+
+@pytest.fixture
+def record_rig(_figures):
+    """Keep what was measured of a rig."""
+
+    def record(name, found):
+        _figures[name] = {
+            key: round(float(value), 5)
+            for key, value in found.items()
+            if isinstance(value, (int, float, bool, np.floating))
+        }
+
+    return record

@@ -283,14 +283,20 @@ def test_both_sides_selected_can_be_mirrored():
     assert not np.allclose(tails[1], tails[0], atol=0.05)
 
 
-def test_what_is_not_in_the_loop_is_told():
+def test_a_control_beside_the_root_goes_on_as_it_does():
     armature = pendulum()
     control = armature.pose.bones["control"]
     for frame in (1, 201):
         control.location.x = frame
         control.keyframe_insert("location", frame=frame)
-    extract()
-    assert "control not in the loop" in bpy.context.scene.roundelay.notes
+    for curve in curves_of(armature).values():
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+    before = set(curves_of(armature))
+    start, end = span(extract())
+    assert set(curves_of(armature)) == before
+    way = curve_of(armature, "control", "location", 0)
+    assert way[-1] - way[0] == pytest.approx(end - start, rel=1e-3)
 
 
 def gliding():

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The plain mean of the repetitions, where the library's smooth one is too far from it.
+
+Few frames a stride, as animators key them, leave corners that a smooth regression rounds off.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roundelay import Cycle, Motion, TooShort
+from roundelay.cycles.continuity import Followed, followed_poses
+from roundelay.geometry import rotations as rot
+from roundelay.phase.harmonic import HarmonicCurve
+
+from .averaging import Values, Windows, windows_of
+
+Array = NDArray[np.float64]
+
+# Body sizes between the two means from which on the plain one is taken: .5 cm of a person.
+_APART = 0.0027
+
+
+def nearer(cycle: Cycle, motion: Motion, fps: float) -> Cycle:
+    """Return the cycle, or the plain mean of its repetitions if it is too far from that.
+
+    Parameters
+    ----------
+    cycle : Cycle
+        Of a smooth mean, with its evidence and phase; others are returned as they are.
+    motion : Motion
+        The capture.
+    fps : float
+        Frames a second at which the loop will be keyed.
+    """
+    if cycle.method != "harmonic" or cycle.above is not None:
+        return cycle
+    body, evidence, phase = motion.with_root_motion(), cycle.evidence, cycle.phase
+    count = max(1, round(cycle.period * fps))
+    runs: Any = evidence.runs if evidence is not None else ()
+    try:
+        windows = windows_of(phase, np.arange(len(body), dtype=float), runs, count, 0.0)  # type: ignore[arg-type]
+    except TooShort:
+        return cycle
+    poses = followed_poses(body, phase, runs, 1)  # type: ignore[arg-type]
+    if poses.odd.any() or poses.jumps.any():
+        return cycle
+    mean = _mean(cycle, body, poses, windows)
+    x = np.arange(count) / count
+    shown = [one.at(x, frame_time=1.0, in_place=True).positions() for one in (cycle, mean)]
+    apart = np.linalg.norm(shown[0] - shown[1], axis=-1).max() / motion.skeleton.size
+    return mean if apart > _APART else cycle
+
+
+def _mean(cycle: Cycle, motion: Motion, poses: Followed, windows: Windows) -> Cycle:
+    count, climbs = windows.count, cycle.velocity.constant[cycle.up] != 0.0
+    local = poses.local.reshape(len(poses.local), -1)
+    places = np.concatenate([np.zeros((1, 3)), np.cumsum(poses.steps(motion), axis=0)])
+    values = _sampled(places)
+    gain = windows.gain(values)
+    path = windows.mean(values, gain)
+    keep = (np.arange(3) != cycle.up) | climbs
+    # A step is the velocity in its middle.
+    velocity = HarmonicCurve.through(np.diff(path, axis=0) * count * keep).shifted(-0.5 / count)
+    height = windows.mean(_sampled(motion.root_path[:, [motion.up]]))[:-1]
+    moved = motion.translations
+    if moved is not None:
+        moved = windows.mean(_sampled(moved.reshape(len(moved), -1)))[:-1]
+    return replace(
+        cycle,
+        pose=HarmonicCurve.through(_turned(windows, local)),
+        odd_pose=None,
+        velocity=velocity,
+        height=cycle.height if climbs else HarmonicCurve.through(height),
+        translations=None if moved is None else HarmonicCurve.through(moved),
+    )
+
+
+def _turned(windows: Windows, local: Array) -> Array:
+    """Return the mean of quaternions (F, 4 J), which keep their signs, over the windows."""
+    rows = windows.mean(_sampled(local))[:-1]
+    return rot.normalize(rows.reshape(len(rows), -1, 4)).reshape(len(rows), -1)
+
+
+def _sampled(samples: Array) -> Values:
+    """Return values at fractional frames: cubic between those around."""
+
+    def values(frames: Array) -> Array:
+        last = len(samples) - 1
+        before = np.clip(np.floor(frames).astype(int), 0, max(last - 1, 0))
+        t = (frames - before)[..., None]
+        a, b, c, d = (samples[np.clip(before + k, 0, last)] for k in (-1, 0, 1, 2))
+        bend = 2 * a - 5 * b + 4 * c - d
+        return b + 0.5 * t * ((c - a) + t * (bend + t * (3 * (b - c) + d - a)))
+
+    return values

@@ -6,9 +6,13 @@ VENV := .venv
 PROGRAMS := $(if $(filter Windows_NT,$(OS)),Scripts,bin)
 BIN := $(VENV)/$(PROGRAMS)
 PIP := -m pip install --quiet --disable-pip-version-check
-# The wheels of Blender for blender-test, 350 MB each, want one Python; 4.2.23 is there, too.
-BLENDER_PYTHON ?= python3.11
-BLENDERS ?= 5.0.1 4.5.15
+# The wheels of Blender for blender-test, 350 MB each; each wants its own Python.
+BLENDERS ?= 5.0.1 4.5.15 4.2.23 5.2.3 5.3.0
+BLENDER_PYTHON_4 ?= python3.11
+BLENDER_PYTHON_5.0 ?= python3.11
+BLENDER_PYTHON ?= python3.13
+blender_python = $(or $(BLENDER_PYTHON_$(firstword $(subst ., ,$*))),\
+	$(BLENDER_PYTHON_$(basename $*)),$(BLENDER_PYTHON))
 CAPTURES := 01_01 01_03 Boxing_Toes
 
 .PHONY: demo demo-begins test page-test players-test docs figures check setup clean blender-extension blender-test
@@ -165,7 +169,9 @@ blender-test: blender-extension $(BLENDERS:%=build/bpy-%/.ready)
 	done
 
 build/bpy-%/.ready:
-	$(BLENDER_PYTHON) -m venv build/bpy-$*
+	@$(blender_python) -c "" || { echo "Blender $* wants $(blender_python), which is missing:" \
+		"install it, or leave $* out of BLENDERS"; exit 1; }
+	$(blender_python) -m venv build/bpy-$*
 	build/bpy-$*/bin/python -m pip install --quiet --disable-pip-version-check bpy==$* pytest
 	@touch $@
 

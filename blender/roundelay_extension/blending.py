@@ -65,7 +65,7 @@ def _blended(context: Context, armature: Armature, weight: float) -> bpy.types.A
     mixed, sources = blend([first, second], [1.0 - weight, weight]), (capture, other)
     made = rendered(mixed, [m.with_root_motion() for m in sources], render_of(settings, fps))
     settings.notes = moved_apart(made.parted)
-    loop = loop_of(made.cycle, capture, settings, fps)
+    loop = loop_of(made, capture, settings, fps)
     name = f"Blend {loops[0].name} {loops[1].name}"
     tracks = bone_tracks(rig, loop, keyed_of(armature, take_of(armature)))
     action = write_tracks(armature, tracks, name, start=int(loops[0].frame_start))

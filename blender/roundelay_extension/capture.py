@@ -198,9 +198,7 @@ def _played(
     motion = standing
     if moves(armature):
         placed = np.linalg.inv(played.places[0]) @ played.places
-        motion = yield from aside(
-            lambda: body.motion(placed[:, None] @ shown, frame_time, name)
-        )
+        motion = yield from aside(lambda: body.motion(placed[:, None] @ shown, frame_time, name))
     parents = dict(zip(names[count:], played.matrices[:, count:].swapaxes(0, 1), strict=True))
     return Capture(
         armature,

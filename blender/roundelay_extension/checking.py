@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,5 +132,3 @@ def join_of(places: Array) -> float:
     count = len(places) - 1
     steady = (places[-1, :1] - places[0, :1]) * (np.arange(count) / count)[:, None, None]
     return join_ratio(places[:-1] - steady, count)
-
-

@@ -81,9 +81,7 @@ def standing_frame(bone: Any, parents: Array | None, size: float) -> Frame | Non
 _LOOKED = 12
 
 
-def averaged(
-    keyed: Keyed, source: Source, windows: Windows
-) -> Iterator[Track]:
+def averaged(keyed: Keyed, source: Source, windows: Windows) -> Iterator[Track]:
     """Yield the tracks of properties that are averaged as they are."""
     for one in keyed.curves:
         yield plain_track(one, keyed, source, windows)
@@ -183,5 +181,3 @@ def _turns(one: Property, values: Values) -> Values:
 def _by_axis(values: Array) -> Array:
     length = np.linalg.norm(values[..., 1:], axis=-1, keepdims=True)
     return rot.from_rotation_vector(values[..., :1] * values[..., 1:] / np.maximum(length, 1e-9))
-
-

@@ -13,8 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roundelay import Cycle, Motion, TooShort
+from roundelay.base.spans import Spans
 from roundelay.cycles.continuity import Followed, followed_poses
+from roundelay.cycles.edit.footlock import lock_offsets, move_foot
 from roundelay.geometry import rotations as rot
+from roundelay.geometry.contacts import contacts, find_feet, foot_points
+from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.phase.harmonic import HarmonicCurve
 
 from .averaging import Values, Windows, windows_of
@@ -23,6 +27,8 @@ Array = NDArray[np.float64]
 
 # Body sizes between the two means from which on the plain one is taken: .5 cm of a person.
 _APART = 0.0027
+# Body sizes a second: what moves less stands.
+_STANDS = 0.06
 
 
 def nearer(cycle: Cycle, motion: Motion, fps: float) -> Cycle:
@@ -54,6 +60,40 @@ def nearer(cycle: Cycle, motion: Motion, fps: float) -> Cycle:
     shown = [one.at(x, frame_time=1.0, in_place=True).positions() for one in (cycle, mean)]
     apart = np.linalg.norm(shown[0] - shown[1], axis=-1).max() / motion.skeleton.size
     return mean if apart > _APART else cycle
+
+
+def held(cycle: Cycle, loop: Motion, fps: float, start: float) -> Motion:
+    """Hold the feet of a loop, the last frame the first again, where they really stand.
+
+    The library's lock holds them from heel to toe, by which the poses of a stride change by some
+    centimetres; what is keyed is changed as little as can be.
+    """
+    count = len(loop) - 1
+    around = cycle.sample(fps, periods=3, start=start - 1.0, foot_lock=False)
+    places, turns = forward_kinematics(
+        around.skeleton, around.rotations, around.root_path, translations=around.translations
+    )
+    feet = () if around.skeleton.free else find_feet(around.skeleton, places, around.up)
+    if not feet:
+        return loop
+    points, size = foot_points(feet, places, turns), around.skeleton.size
+    down = contacts(points, fps=around.fps, size=size, up=around.up)
+    steps = np.delete(np.diff(points, axis=0), around.up, axis=-1)
+    slow = np.linalg.norm(steps, axis=-1) * around.fps / size < _STANDS
+    down[1:] &= slow
+    down[:-1] &= slow
+    for stands in down.T:
+        for first, stop in Spans.of_mask(stands):
+            stands[first:stop] = stop - first < count
+    rotations = around.rotations.copy()
+    offsets = lock_offsets(points, down, around.up)
+    for foot, offset in zip(feet, np.moveaxis(offsets, 1, 0), strict=True):
+        move_foot(around.skeleton, rotations, foot, offset, places, turns)
+    legs = [joint for foot in feet for joint in (foot.hip, foot.knee, foot.ankle)]
+    taken = loop.rotations.copy()
+    taken[:-1, legs] = rotations[count : 2 * count, legs]
+    taken[-1, legs] = taken[0, legs]
+    return replace(loop, rotations=taken)
 
 
 def _mean(cycle: Cycle, motion: Motion, poses: Followed, windows: Windows) -> Cycle:

@@ -32,8 +32,8 @@ from .checking import Played
 from .compat import Armature, Context
 from .exact import nearer
 from .jobs import LongOperator, Progress, Steps, threaded
-from .making import NotKept, finish, make_action
 from .loops import cycles_by_hand, loop_of, moved_apart, options_of, render_of
+from .making import NotKept, finish, make_action
 
 # How many ranges of frames are listed.
 _SHOWN = 3
@@ -127,7 +127,7 @@ def _make(context: Context, capture: Capture, found: list[Loop], settings: Any) 
 
 def _plot(context: Context, capture: Capture, made: Loop, name: str) -> None:
     settings, output = context.scene.roundelay, context.scene.render
-    loop = loop_of(made.cycle, capture.motion, settings, output.fps / output.fps_base)
+    loop = loop_of(made, capture.motion, settings, output.fps / output.fps_base)
     plots.write(capture.motion, made.cycle, loop, plots.folder_of(settings), name)
 
 

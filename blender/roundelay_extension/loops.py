@@ -14,9 +14,12 @@ from roundelay.cycles.captured import as_shown
 from roundelay.cycles.edit.separate import Mended
 from roundelay.cycles.models.regression import fit_cycle
 from roundelay.geometry import rotations as rot
+from roundelay.loops.recipe import Rendered
 from roundelay.phase.harmonic import HarmonicCurve
 from roundelay.pipeline import make_cycle
 from roundelay.timeline.inspection import inspect
+
+from .exact import held
 
 Chosen = Sequence[tuple[int, int]]
 
@@ -82,13 +85,18 @@ def moved_apart(parted: Sequence[Mended]) -> str:
     return "".join(lines)
 
 
-def loop_of(cycle: Cycle, capture: Motion, settings: Any, fps: float) -> Motion:
-    """Sample a cycle as frames of the scene, the last one the first again, heading straight on."""
-    cycle = replace(cycle, turning=0.0)
+def loop_of(made: Rendered, capture: Motion, settings: Any, fps: float) -> Motion:
+    """Sample a loop as frames of the scene, the last one the first again, heading straight on."""
+    cycle, lock = replace(made.cycle, turning=0.0), made.render.foot_lock
     if settings.travel_harmonics:
         cycle = replace(cycle, velocity=_first(cycle.velocity, settings.travel_harmonics))
-    sampling = {"fps": fps, "start": settings.start_phase, "foot_lock": settings.foot_lock}
-    loop = cycle.sample(**sampling, repeat_first=True).with_root_motion()
+    sampling = {"fps": fps, "start": settings.start_phase}
+    light = lock and settings.method == "AUTO"
+    sampling["foot_lock"] = lock and not light
+    loop = cycle.sample(**sampling, repeat_first=True)
+    if light:
+        loop = held(cycle, loop, fps, settings.start_phase)
+    loop = loop.with_root_motion()
     still = cycle.sample(**sampling, repeat_first=True, in_place=True).with_root_motion()
     none = np.zeros_like(loop.root_path)
     path = by_axis(settings, loop.root_path, still.root_path, none)

@@ -89,7 +89,7 @@ def _bone_trials(
     """Yield the loop bone by bone."""
     rig, fps = capture.rig, scene.render.fps / scene.render.fps_base
     assert rig is not None
-    loop = loop_of(made.cycle, capture.motion, settings, fps)
+    loop = loop_of(made, capture.motion, settings, fps)
     tracks = list(bone_tracks(rig, loop, capture.keyed, mirror=settings.mirror))
     done = {track.target for track in tracks}
     rest = [one for one in capture.keyed.curves if one not in done]
@@ -124,7 +124,9 @@ def _others(
     capture: Capture, cycle: Cycle, rest: list[Property], count: int, settings: Any
 ) -> Iterator[Track]:
     """Yield the tracks of what moves no bone: shape keys, and what does not change."""
-    moving = [one for one in rest if capture.keyed.spans(one) > 0.0 and one.owner != capture.armature]
+    moving = [
+        one for one in rest if capture.keyed.spans(one) > 0.0 and one.owner != capture.armature
+    ]
     windows = _windows(capture, cycle, count - 1, settings) if moving else None
     source = Source(capture.keyed, capture.frames, capture.samples)
     for one in rest:

@@ -11,7 +11,8 @@ BODY, CENTIMETRE = 1.7, 0.01
 
 def keyed(armature):
     """Return what drives an armature: paths with indices, those of strips that play included."""
-    data, found = armature.animation_data, set(curves_of(armature)) if has_action(armature) else set()
+    data = armature.animation_data
+    found = set(curves_of(armature)) if data.action is not None else set()
     tracks = data.nla_tracks if data.use_nla else ()
     for strip in (strip for track in tracks if not track.mute for strip in track.strips):
         action = strip.action
@@ -22,10 +23,6 @@ def keyed(armature):
             curves = list(action.fcurves)
         found |= {(curve.data_path, curve.array_index) for curve in curves}
     return found
-
-
-def has_action(armature):
-    return armature.animation_data.action is not None
 
 
 def heads(armature, frames, names):
@@ -74,8 +71,12 @@ def best_mean(capture, frames, loop, period):
     count, seen, found = len(loop) - 1, own(capture), []
     for offset in np.arange(0.0, period, 0.05):
         times = frames[0] + offset + np.arange(count) * period / count
-        repeats = int((frames[-1] - frames[0] - offset) / period)
-        mean = np.mean([at(seen, frames, times + m * period) for m in range(repeats)], axis=0)
+        every = times + np.arange(-1, len(frames))[:, None] * period
+        inside = (every >= frames[0]) & (every <= frames[-1])
+        every = every[inside.any(axis=1)]
+        rows = np.array([at(seen, frames, row) for row in every])
+        weights = ((every >= frames[0]) & (every <= frames[-1]))[..., None, None]
+        mean = (rows * weights).sum(axis=0) / weights.sum(axis=0)
         closed = np.concatenate([mean, mean[:1]])
         found.append((np.linalg.norm(own(loop) - closed, axis=-1).max(), offset, closed))
     return min(found, key=lambda row: row[0])[2]
@@ -96,9 +97,9 @@ def join(loop, count):
 
 
 def slide(loop, joint, height):
-    """Return the largest step of a joint on the ground while it is below a height."""
+    """Return the mean step of a joint while it is below a height on the ground."""
     foot = loop[:, joint]
     low = foot[:, 2] < foot[:, 2].min() + height
     both = low[1:] & low[:-1]
     steps = np.linalg.norm(np.diff(foot[:, :2], axis=0), axis=-1)
-    return steps[both].max(initial=0.0)
+    return steps[both].mean() if both.any() else 0.0

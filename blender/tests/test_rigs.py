@@ -57,7 +57,7 @@ def judged(armature, names, period=walkers.PERIOD):
     feet = [names.index(n) for n in names if "foot" in n]
     whole = capture[:: round(1 / step)] * found["unit"]
     for name, places in (("slide", found["loop"]), ("slid", whole)):
-        found[name] = max(judging.slide(places, foot, 0.005) for foot in feet)
+        found[name] = max(judging.slide(places, foot, 0.001) for foot in feet)
     return found
 
 
@@ -69,7 +69,7 @@ def test_the_loop_plays_as_the_capture_does(name, tmp_path, record_rig):
     assert found["keyed"]
     assert found["away"] <= judging.CENTIMETRE
     assert found["join"] <= 1.1
-    assert found["slide"] <= max(1.2 * found["slid"], 0.002)
+    assert found["slide"] <= max(1.2 * found["slid"], 0.001)
     (report,) = bpy.context.scene.roundelay.loops
     assert report.away < 0.01
     assert bpy.context.scene.roundelay.message == "Made 1 loop"

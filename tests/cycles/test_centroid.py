@@ -72,3 +72,20 @@ def test_bad_neighbours_are_refused(made):
     cycle = rl.find_cycles(made.motion)[0]
     with pytest.raises(ValueError, match="neighbours"):
         centroid_cycle(cycle, made.motion, neighbours=10**6)
+
+
+def test_neighbours_and_weights_are_options(made):
+    """Of all frames' mean nothing moves; the fewer the nearer to what was captured."""
+    cycle = rl.find_cycles(made.motion)[0]
+    spread = {}
+    for count in (4, 60):
+        options = rl.Options(method="centroid", neighbours=count, gaussian=True)
+        (found,) = rl.find_cycles(made.motion, options)
+        own = centroid_cycle(cycle, made.motion, neighbours=count, gaussian=True)
+        phases = np.arange(48) / 48
+        assert np.allclose(np.abs(found.rotations(phases)), np.abs(own.rotations(phases)), atol=0.2)
+        spread[count] = float(np.std(found.rotations(phases)[:, 1:], axis=0).mean())
+    assert spread[60] < spread[4]
+    for given in ({"neighbours": 4}, {"gaussian": True}):
+        with pytest.raises(ValueError, match="with the method 'centroid' only, found 'auto'"):
+            rl.Options(**given)

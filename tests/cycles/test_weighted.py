@@ -149,3 +149,51 @@ def test_a_joint_without_angles_is_named(made):
     )
     with pytest.raises(ValueError, match="have none: LeftHand"):
         rl.find_cycles(replace(made.motion, rotations=spun), PAPER)
+
+
+def test_the_path_is_modelled_axis_by_axis(made):
+    """[C] 3.9: a line, harmonics alone, or nothing; the walk goes along one level axis."""
+    (default,) = rl.find_cycles(made.motion, PAPER)
+    ahead = int(np.argmax(np.abs(default.travel)))
+    side = next(axis for axis in range(3) if axis not in (ahead, default.up))
+
+    def of(*kinds: str) -> rl.Cycle:
+        root = ",".join(f"{'xyz'[axis]}={kind}" for axis, kind in kinds)
+        return rl.find_cycles(made.motion, replace(PAPER, root=tuple(root.split(","))))[0]
+
+    still = of((ahead, "none"), (side, "none"), (default.up, "none"))
+    path = still.root_path(np.linspace(0.0, 2.0, 50))
+    assert np.ptp(path, axis=0).max() < 1e-9
+    swaying = of((ahead, "periodic"), (side, "line"), (default.up, "periodic"))
+    path = swaying.root_path(np.linspace(0.0, 1.0, 50))
+    assert abs(path[-1, ahead] - path[0, ahead]) < 1e-6
+    assert np.ptp(path[:, ahead]) > 0.0
+    same = of((ahead, "line"), (side, "line"))
+    assert same.travel == pytest.approx(default.travel)
+    rising = of((default.up, "line"))
+    assert rising.height.sine.max() == rising.height.cosine.max() == 0.0
+    phases = np.linspace(0.0, 1.0, 50)
+    bobs = np.ptp(default.root_path(phases)[:, default.up])
+    assert np.ptp(rising.root_path(phases)[:, default.up]) == pytest.approx(bobs, rel=0.3)
+
+
+@pytest.mark.parametrize(
+    "words", [("x=up",), ("w=line",), ("x=line", "x=none"), ("line",), ()], ids=str
+)
+def test_a_model_of_the_path_that_is_none_is_refused(words):
+    with pytest.raises(ValueError, match="expected root as"):
+        rl.Options(method="paper", root=words)
+    with pytest.raises(ValueError, match="expected root with the method 'paper' only"):
+        rl.Options(root=("x=line",))
+
+
+def test_the_command_line_takes_models_of_the_path(captures, tmp_path):
+    capture = str(captures / "01_03.bvh")
+    words = ["loop", capture, "-o", str(tmp_path), "--no-picture", "--most", "1"]
+    result = CliRunner().invoke(
+        app, [*words, "--method", "paper", "--root", "x=none,y=periodic,z=none"]
+    )
+    assert result.exit_code in (0, 3), result.stderr
+    wrong = CliRunner().invoke(app, [*words, "--method", "paper", "--root", "x=sideways"])
+    assert wrong.exit_code == 2
+    assert "x, y or z = one of ('line', 'periodic', 'none')" in wrong.stderr

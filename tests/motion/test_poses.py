@@ -8,7 +8,7 @@ import pytest
 from roundelay import synth
 from roundelay.base.errors import SkeletonMismatch
 from roundelay.geometry import rotations as rot
-from roundelay.motion.features import first_differences, point_cloud
+from roundelay.motion.features import MotionPoses, first_differences, point_cloud
 from roundelay.motion.motion import Motion
 from roundelay.motion.poses import leading_rest_pose, principal_components, with_velocity
 
@@ -64,10 +64,36 @@ def test_angles_are_unwrapped():
 
 def test_first_differences_are_the_body_s_own(walk):
     rates = first_differences(walk)
+    assert rates.shape == (len(walk), 6)
     assert np.allclose(first_differences(turned(walk, -2.0)), rates)
-    turning = rates[:, 3].mean() * walk.fps * 1.1
+    turning = rates[:, 3 + walk.up].mean() * 1.1
     assert turning == pytest.approx(0.8, rel=0.02)
-    assert first_differences(walk[:1]).shape == (1, 4)
+    assert first_differences(walk[:1]).shape == (1, 6)
+
+
+def test_first_differences_are_a_second_whatever_the_rate(walk):
+    """Six columns: a root that glides and spins about one axis, at two rates."""
+    skeleton = synth.humanoid()
+    for fps in (30.0, 120.0):
+        time = np.arange(int(2 * fps)) / fps
+        rotations = rot.identity(len(time), skeleton.n_joints)
+        rotations[:, 0] = rot.from_rotation_vector(time[:, None] * np.array([1.5, 0.0, 0.0]))
+        path = time[:, None] * np.array([0.0, 0.0, 2.0]) * skeleton.size
+        rates = first_differences(Motion(skeleton, rotations, path, 1.0 / fps))
+        speed = np.linalg.norm(rates[:, :3], axis=1)
+        assert np.allclose(speed, 2.0)
+        assert np.allclose(np.linalg.norm(rates[:, 3:], axis=1), 1.5)
+
+
+def test_a_configuration_is_angles_and_the_roots_rates(walk):
+    cloud = point_cloud(walk, "configuration")
+    angles = point_cloud(walk, "angles")
+    assert np.array_equal(cloud, np.hstack([angles, first_differences(walk)]))
+    poses = MotionPoses(walk, "configuration", "length")
+    root = walk.skeleton.names[0]
+    assert poses.names[-2:] == (f"velocity of {root}", f"turning of {root}")
+    assert poses.values.shape == (len(walk), walk.skeleton.n_joints + 1, 3)
+    assert np.array_equal(poses.values[:, -2:].reshape(-1, 6), first_differences(walk))
 
 
 def test_velocities_of_a_sinusoid_make_a_circle():

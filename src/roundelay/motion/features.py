@@ -34,19 +34,20 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-Features = Literal["positions", "heading", "quaternions", "angles"]
+Features = Literal["positions", "heading", "quaternions", "angles", "configuration"]
 Weights = Literal["none", "length", "mass"]
 
 
 class MotionPoses:
     """Show the joints of a motion to the search, as `roundelay.motion.poses.Poses`.
 
-    The root, by which the others are placed, is no point of a pose.
+    The root, by which the others are placed, is no point of a pose, but for the features
+    "configuration", in which its velocity and its turning are one each.
 
     Parameters
     ----------
     motion : Motion
-    features : {"positions", "heading", "quaternions", "angles"}
+    features : {"positions", "heading", "quaternions", "angles", "configuration"}
         See `point_cloud`.
     weights : {"none", "length", "mass"}
         Weigh every joint by the length of its bones ([C] ch. 4) or by that of all bones it
@@ -70,8 +71,12 @@ class MotionPoses:
         values, chosen = _features(motion, features), factors[weights]
         if chosen is not None:
             values = values * (chosen / max(float(chosen.max()), TINY))[:, None]
-        self.names = skeleton.names[1:]
-        self.values = values[:, 1:]
+        self.names, self.values = skeleton.names[1:], values[:, 1:]
+        if features == "configuration":
+            rates = first_differences(motion).reshape(len(motion), 2, 3)
+            root = skeleton.names[0]
+            self.names = (*self.names, f"velocity of {root}", f"turning of {root}")
+            self.values = np.concatenate([self.values, rates], axis=1)
         self.fps, self.size = motion.fps, skeleton.size
 
     @cached_property
@@ -99,19 +104,21 @@ def point_cloud(
     Parameters
     ----------
     motion : Motion
-    features : {"positions", "heading", "quaternions", "angles"}
+    features : {"positions", "heading", "quaternions", "angles", "configuration"}
         - ``positions``: joint positions relative to the root, without the root's rotation, in
           units of the skeleton's size;
         - ``heading``: the same, with the root's pitch and roll but not its heading;
         - ``quaternions``: rotations of all joints but the root, signs continuous in time ([B]);
         - ``angles``: rotation vectors of all joints but the root, in radians, unwrapped
-          ([A], [C]: joint angles).
+          ([A], [C]: joint angles);
+        - ``configuration``: the same, and the root's six rates, as `differences` ([A] 4.1);
+          noise of single frames counts for much in these.
     joints : (k,) array_like of int, optional
         Use these joints only (the root counts for ``heading`` only).
     weights : (J,) array_like, optional
         One factor a joint, for instance `Skeleton.bone_lengths` ([C] ch. 4) or masses ([A] 7).
     differences : bool
-        Append the root's velocity and turning rate ([A] 4.1), per frame, in sizes and radians.
+        Append the root's velocity and turning ([A] 4.1), a second, in sizes and radians.
 
     Returns
     -------
@@ -142,6 +149,7 @@ def point_cloud(
     if len(chosen) == 0:
         raise SkeletonMismatch("expected at least one joint besides the root, found none")
     points = values[:, chosen].reshape(len(motion), -1)
+    differences = differences or features == "configuration"
     return np.hstack([points, first_differences(motion)]) if differences else points
 
 
@@ -188,6 +196,7 @@ _JOINT_FEATURES = {
     "heading": _heading_positions,
     "quaternions": lambda motion: motion.rotations,
     "angles": _angles,
+    "configuration": _angles,
 }
 
 
@@ -214,14 +223,16 @@ def first_differences(motion: Motion) -> Array:
 
     Returns
     -------
-    (F, 4) ndarray
-        Velocity of the root in its own heading, in sizes a frame, and the turning of the
-        heading in radians a frame; the last row repeats the one before.
+    (F, 6) ndarray
+        Velocity of the root in sizes a second, and its turning about three axes in radians a
+        second, both in its own heading; the last row repeats the one before.
     """
     if len(motion) < 2:
-        return np.zeros((len(motion), 4))
+        return np.zeros((len(motion), 6))
     turn = np.unwrap(heading(motion.rotations[:, 0], motion.up))
-    step = np.diff(motion.root_path, axis=0) / motion.skeleton.size
     back = rot.from_rotation_vector(-turn[:-1, None] * motion.up_vector)
-    rows = np.hstack([rot.rotate(back, step), np.diff(turn)[:, None]])
+    step = np.diff(motion.root_path, axis=0) / motion.skeleton.size
+    before, after = motion.rotations[:-1, 0], motion.rotations[1:, 0]
+    turned = rot.to_rotation_vector(rot.multiply(after, rot.conjugate(before)))
+    rows = np.hstack([rot.rotate(back, step), rot.rotate(back, turned)]) * motion.fps
     return np.vstack([rows, rows[-1:]])

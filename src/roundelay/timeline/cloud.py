@@ -6,6 +6,7 @@ delays, keep the passages apart ([C] 3.8).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from roundelay.base.brief import brief
 from roundelay.base.numeric import GOLDEN
-from roundelay.base.spans import Spans
+from roundelay.base.spans import Span, Spans
 from roundelay.motion.poses import principal_components, with_velocity
 from roundelay.timeline.options import TopologyOptions
 from roundelay.timeline.search import Search
@@ -23,7 +24,7 @@ from roundelay.topology.distances import Metric, cross_distances, pairwise_dista
 from roundelay.topology.landmarks import choose_landmarks
 from roundelay.topology.rips import Barcode, persistent_cohomology
 
-__all__ = ["PoseCloud", "make_cloud", "variance_normalised"]
+__all__ = ["PoseCloud", "joined_in_time", "make_cloud", "variance_normalised"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -104,7 +105,9 @@ def make_cloud(search: Search, runs: Spans, period: float) -> PoseCloud:
     landmarks = _landmarks(cloud)
     near = cloud[landmarks]
     if options.metric == "adjacent":
-        barcode = _barcode(_adjacent(near, _runs_of(landmarks, local)), "precomputed", options)
+        above = pairwise_distances(near)
+        joined = joined_in_time(above + above.T, _runs_of(landmarks, local))
+        barcode = _barcode(joined, "precomputed", options)
         cloud = np.asarray(cross_distances(cloud, near), float)
     else:
         barcode = _barcode(near, "euclidean", options)
@@ -164,10 +167,24 @@ def _delayed(poses: Array, local: Spans, period: float, count: int) -> tuple[Arr
     return rows / np.sqrt(len(delays)), begins
 
 
-def _adjacent(points: Array, runs: Spans) -> NDArray[np.float32]:
-    """Return distances (n, n) of points, 0 between those next to each other in a run."""
-    above = pairwise_distances(points)
-    for start, stop in runs:
-        after = np.arange(start + 1, stop)
-        above[after - 1, after] = 0.0
-    return above + above.T
+def joined_in_time(distances: NDArray[np.float32], runs: Sequence[Span]) -> NDArray[np.float32]:
+    """Return distances in which poses next to each other in time are at distance 0 ([A] 3.2).
+
+    Nearer than neighbours in time usually lie, no pose is told from another: all other distances
+    are at least the median step. Without that, every chance meeting would close a loop that is
+    born at nearly 0.
+
+    Parameters
+    ----------
+    distances : (n, n) ndarray
+        Symmetric.
+    runs : sequence of (start, stop)
+        Points that follow each other.
+    """
+    after = np.concatenate([np.arange(start + 1, stop) for start, stop in runs])
+    if len(after) == 0:
+        return distances
+    joined = np.maximum(distances, np.median(distances[after - 1, after]))
+    joined[after - 1, after] = joined[after, after - 1] = 0.0
+    np.fill_diagonal(joined, 0.0)
+    return joined

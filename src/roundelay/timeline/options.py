@@ -12,6 +12,7 @@ from roundelay.motion.features import Features, Weights
 __all__ = ["Options", "PoseMetric", "ShownOptions", "TopologyOptions"]
 
 PoseMetric = Literal["euclidean", "variance", "adjacent"]
+ROOT_MODELS = ("line", "periodic", "none")
 
 
 _CLASSES: int | None = option(
@@ -116,8 +117,9 @@ class Options(Checked):
         neutral poses put before or behind them.
     joints : tuple of str, optional
         Joints that decide what is a repetition; all by default. Every joint is in the cycle.
-    features : {"positions", "heading", "quaternions", "angles"}
-        What a pose is to the search, see `roundelay.point_cloud`.
+    features : {"positions", "heading", "quaternions", "angles", "configuration"}
+        What a pose is to the search, see `roundelay.point_cloud`; "configuration" is that of
+        [A]: joint angles, and the root by its first differences.
     weights : {"none", "length", "mass"}
         Weigh every joint by the length of its bones ([C] ch. 4) or by that of all bones it
         moves, which stands for their mass ([A] 7). Positions weigh by length of themselves.
@@ -147,6 +149,14 @@ class Options(Checked):
         Constrain the method "paper" by the velocities and accelerations of the frames
         ([C] 5.3 items 20, 21): both are [C]'s model M1, neither is M2. Other methods have
         no such constraints.
+    root : tuple of str, optional
+        How the method "paper" models the root's path along each axis ([C] 3.9): "x=line",
+        "y=periodic", "z=none" and so on; a line with harmonics (eq. 3.27), harmonics alone (eq.
+        3.6), or no movement. By default a line along what is level, harmonics upwards.
+    neighbours : int, optional
+        Of how many poses the method "centroid" takes the mean, 10 by default ([A] 6.1).
+    gaussian : bool
+        Weigh them by a Gaussian of their distance in phase ([A] 4.4).
 
     Raises
     ------
@@ -200,6 +210,15 @@ class Options(Checked):
     harmonics: int | None = option(None, "Harmonics of the cycle.", least=1, most=500)
     velocity: bool = option(True, "Constrain the method paper by velocities, as [C].")
     acceleration: bool = option(True, "Constrain the method paper by accelerations, as [C].")
+    root: tuple[str, ...] | None = option(
+        None,
+        "Model of the root's path by the method paper, an axis each: line, periodic or none.",
+        form="x=line,y=periodic,z=none",
+    )
+    neighbours: int | None = option(
+        None, "Poses of a mean of the method centroid; 10 by default, as in [A].", least=1
+    )
+    gaussian: bool = option(False, "Weigh the poses of the method centroid by a Gaussian.")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -211,6 +230,32 @@ class Options(Checked):
                 "expected velocity and acceleration to be left out of the method 'paper' only, "
                 f"found {self.method!r}"
             )
+        if self.method != "centroid" and (self.neighbours is not None or self.gaussian):
+            raise ValueError(
+                "expected neighbours and gaussian with the method 'centroid' only, "
+                f"found {self.method!r}"
+            )
+        if self.root is not None:
+            self._check_root(self.root)
+
+    def _check_root(self, given: tuple[str, ...]) -> None:
+        if self.method != "paper":
+            raise ValueError(f"expected root with the method 'paper' only, found {self.method!r}")
+        axes = [word.partition("=")[0] for word in given]
+        kinds = [word.partition("=")[2] for word in given]
+        known = {"x", "y", "z"}.issuperset(axes) and set(ROOT_MODELS).issuperset(kinds)
+        if not (given and known and len(set(axes)) == len(axes)):
+            told = ",".join(given)
+            raise ValueError(
+                f"expected root as x, y or z = one of {ROOT_MODELS}, each axis once, such as "
+                f"'x=line,y=periodic', found {told!r}"
+            )
+
+    @property
+    def root_models(self) -> dict[int, str]:
+        """The models of `root` by the number of their axis."""
+        pairs = [word.partition("=") for word in self.root or ()]
+        return {"xyz".index(axis): kind for axis, _, kind in pairs}
 
     def span(self, count: int) -> Span | None:
         """Return the frames to look at of a take of so many; None where all are.

@@ -37,7 +37,9 @@ class Centroid:
         """Fit the cycle; see `roundelay.cycles.models.CycleModel`."""
         runs, count = evidence.runs, options.harmonics
         cycle = fit_cycle(motion, phase, runs, harmonics=count, evidence=evidence)
-        return centroid_cycle(cycle, motion)
+        return centroid_cycle(
+            cycle, motion, neighbours=options.neighbours, gaussian=options.gaussian
+        )
 
 
 def centroid_cycle(

@@ -18,6 +18,7 @@ Where this is not [C] to the letter (`roundelay.reproduction.raunio` is):
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -58,6 +59,7 @@ class Paper:
             harmonics=count,
             velocity=options.velocity,
             acceleration=options.acceleration,
+            root=options.root_models,
         )
 
 
@@ -68,6 +70,7 @@ def paper_cycle(
     harmonics: int | None = None,
     velocity: bool = True,
     acceleration: bool = True,
+    root: Mapping[int, str] | None = None,
 ) -> Cycle:
     """Replace the poses and the travel of a cycle by [C]'s regression of the same frames.
 
@@ -82,6 +85,9 @@ def paper_cycle(
     velocity, acceleration : bool
         Constrain the regression by them ([C] 5.3 items 20, 21), where the frames are more
         than the coefficients.
+    root : mapping of int to {"line", "periodic", "none"}, optional
+        Models of the path by axis ([C] 3.9): a line with harmonics, harmonics alone, or no
+        movement. By default a line along what is level, and upwards where the cycle climbs.
 
     Raises
     ------
@@ -105,6 +111,9 @@ def paper_cycle(
     # Only a cycle that climbs has a line along the vertical, as [C] 5.3 items 12-14 choose by hand.
     climbs = cycle.velocity.constant[cycle.up] != 0.0
     keep = (np.arange(3) != cycle.up) | climbs
+    if root:
+        travel, height, keep = _along_axes(travel, height, keep, fit(path).curve, cycle.up, root)
+        climbs = bool(keep[cycle.up])
     even, odd = _poses(centre, angles)
     moved = None
     if motion.translations is not None:
@@ -114,10 +123,40 @@ def paper_cycle(
         pose=even,
         odd_pose=odd,
         velocity=_velocity(travel, keep),
-        height=cycle.height if climbs else height,
+        height=_mean(cycle.height) if climbs else height,
         translations=moved,
         phase=phase,
     )
+
+
+def _mean(curve: HarmonicCurve) -> HarmonicCurve:
+    """Return the constant of a curve alone."""
+    return replace(curve, sine=0.0 * curve.sine, cosine=0.0 * curve.cosine)
+
+
+def _along_axes(
+    travel: Fit,
+    height: HarmonicCurve,
+    keep: NDArray[np.bool_],
+    periodic: HarmonicCurve,
+    up: int,
+    root: Mapping[int, str],
+) -> tuple[Fit, HarmonicCurve, NDArray[np.bool_]]:
+    """Choose the model of the path by axis ([C] 3.9 and 5.3 items 12 to 14).
+
+    Upwards, what is no line is the height's: its harmonics, or its mean alone.
+    """
+    sine, cosine = travel.curve.sine.copy(), travel.curve.cosine.copy()
+    slope, kept = travel.slope.copy(), keep.copy()
+    for axis, kind in root.items():
+        kept[axis] = kind == "line" or (kind == "periodic" and axis != up)
+        if kind == "periodic":
+            sine[:, axis], cosine[:, axis] = periodic.sine[:, axis], periodic.cosine[:, axis]
+            slope[axis] = 0.0
+    if root.get(up) == "none":
+        height = _mean(height)
+    curve = replace(travel.curve, sine=sine, cosine=cosine)
+    return replace(travel, curve=curve, slope=slope), height, kept
 
 
 def _ranked(evidence: Evidence) -> Array:

@@ -17,7 +17,7 @@ from roundelay.base.spans import Spans
 from roundelay.base.threads import one_thread
 from roundelay.motion.poses import with_velocity
 from roundelay.phase.unwrap import unwrap
-from roundelay.timeline.cloud import variance_normalised
+from roundelay.timeline.cloud import joined_in_time, variance_normalised
 from roundelay.timeline.options import PoseMetric
 from roundelay.timeline.thresholds import EXCITATION
 from roundelay.topology.coordinate import CircularCoordinate, circular_coordinate
@@ -196,11 +196,7 @@ def _barcode(landmarks: Landmarks, metric: PoseMetric, prime: int) -> Barcode:
     distances = np.minimum(distances, distances.T)
     np.fill_diagonal(distances, 0.0)
     if metric == "adjacent":
-        after = np.arange(1, len(distances))
-        # Nearer than landmarks lie along time, no pose is told from another.
-        distances = np.maximum(distances, np.median(distances[after - 1, after]))
-        distances[after - 1, after] = distances[after, after - 1] = 0.0
-        np.fill_diagonal(distances, 0.0)
+        distances = joined_in_time(distances, [(0, len(distances))])
     return persistent_cohomology(distances, metric="precomputed", prime=prime)
 
 

@@ -165,7 +165,8 @@ def after(
     expected = contents(whole)
     for file, content in contents(out).items():
         plain = Path(file).name
-        partial = name.startswith("library") and plain in DATED | {"cycles.csv", "signatures.npz"}
+        derived = Path(file).suffix in (".csv", ".json", ".npy", ".parquet", ".usearch")
+        partial = name.startswith("library") and (plain in DATED or derived)
         if is_part(plain) or plain == "library.lock":
             ledger.note("left_over", f"{what}: {file}", not killed)
         elif file not in expected:

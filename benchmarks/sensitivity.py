@@ -52,13 +52,14 @@ from benchmarks.raunio import TABLES, find_capture
 from benchmarks.segmentation_data import FULL, labelled
 from roundelay import synth
 from roundelay.base.thresholds import Constant, Value, constants, overridden
-from roundelay.compare.spectra import Spectra
+from roundelay.compare.packed import Packed
+from roundelay.compare.spectra import Body, Spectra
 from roundelay.cycles.edit.align import align
 from roundelay.cycles.edit.separate import repaired, source_parts
 from roundelay.cycles.events import events_of
 from roundelay.geometry.kinematics import vertical_axis
-from roundelay.library.groups import grouped
-from roundelay.library.store import Shelf
+from roundelay.library.groups import assigned, nearest_named
+from roundelay.library.shelves import Shelf
 from roundelay.loops.by_hand import CloseOptions, close_by_hand
 from roundelay.loops.join import join_ratio
 from roundelay.loops.lint import lint, taken_apart
@@ -538,14 +539,18 @@ def _by_body() -> list[list[rl.Cycle]]:
 
 def _library() -> Iterator[Outcome]:
     """All cycles as one library: the group of each and how many share it."""
-    shelves, count = [], 0
+    parts: dict[Body, list[np.ndarray]] = {}
     for cycles in _by_body():
-        numbers = np.arange(count, count + len(cycles))
-        shelves.append(Shelf(numbers, Spectra.of(cycles)))
-        count += len(cycles)
-    labels, _ = grouped(shelves)
-    for label in labels:
-        yield Outcome(labels.count(label), 0.0, ())
+        packed = Packed.of(Spectra.of(cycles))
+        parts.setdefault(packed.body, []).append(packed.values)
+    for body, values in parts.items():
+        packed = Packed(body, np.concatenate(values))
+        shelf = Shelf(np.arange(len(packed)), packed)
+        labels = assigned([shelf], np.full(len(packed), -1), {}).labels
+        named = {label: str(label) for label in set(labels.tolist()) if label % 2}
+        alike = nearest_named([shelf], labels, named) if named else {}
+        for label in labels.tolist():
+            yield Outcome(int(np.sum(labels == label)), float(alike.get(label, -1)), ())
 
 
 def _aligned() -> Iterator[Outcome]:

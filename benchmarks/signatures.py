@@ -16,7 +16,6 @@ groups they are. Cycles that can be compared with no other person's are left out
 from __future__ import annotations
 
 import csv
-import json
 import os
 import tempfile
 import time
@@ -37,10 +36,10 @@ from roundelay.compare.distances import (
     distance_matrix,
     wasserstein_distance,
 )
-from roundelay.compare.spectra import Spectra, least_distances
-from roundelay.library.catalogue import CATALOGUE, SIGNATURES
-from roundelay.library.groups import grouped
-from roundelay.library.store import Shelf, write_shelves
+from roundelay.compare.packed import pair_distances
+from roundelay.library.groups import assigned
+from roundelay.library.shelves import Shelf, write_shelves
+from roundelay.library.store import write_catalogue
 
 # Words of the descriptions, and the kinds they speak of.
 KINDS = {"walk": "walk", "run": "run", "boxing": "boxing"}
@@ -110,8 +109,9 @@ def _library(data: Path, query: rl.Cycle) -> dict[str, Any]:
         large = _enlarged(library, folder / "large")
         result |= library.summary | {"search": _searched(library.folder, query)}
         result["search_enlarged"] = _searched(large.folder, query)
+        count = sum(len(shelf.numbers) for shelf in large.shelves)
         started = time.process_time()
-        grouped(large.shelves)
+        assigned(large.shelves, np.full(count, -1), {})
         result["group_enlarged_cpu_seconds"] = round(time.process_time() - started, 1)
     kinds = _kinds(library, _descriptions(data))
     mixed = set(kinds["walk"]["groups"]) & set(kinds["run"]["groups"])
@@ -121,18 +121,18 @@ def _library(data: Path, query: rl.Cycle) -> dict[str, Any]:
 
 
 def _enlarged(library: rl.Library, folder: Path) -> rl.Library:
-    """Write a library that holds the cycles again and again, each a little changed."""
+    """Write a library that holds the behaviours again and again, each a little changed."""
     times = -(-ENLARGED // library.summary["loops"])
     rng, shelves = np.random.default_rng(0), []
     for shelf in library.shelves:
-        many = Spectra.joined([shelf.spectra] * times)
-        noise = 1.0 + 0.05 * rng.standard_normal(many.waves.shape, np.float32)
-        numbers = np.arange(times)[:, None] * library.summary["loops"] + shelf.numbers
-        shelves.append(Shelf(numbers.ravel(), replace(many, waves=many.waves * noise)))
+        many = np.tile(shelf.packed.values, (times, 1))
+        many *= 1.0 + 0.05 * rng.standard_normal(many.shape, np.float32)
+        numbers = np.arange(times)[:, None] * len(library.behaviours) + shelf.numbers
+        shelves.append(Shelf(numbers.ravel(), replace(shelf.packed, values=many)))
     folder.mkdir()
-    record = library.record | {"clips": library.clips * times}
-    (folder / CATALOGUE).write_text(json.dumps(record))
-    write_shelves(shelves, record["written"], folder / SIGNATURES)
+    record = {name: value for name, value in library.record.items() if name != "format"}
+    write_shelves(shelves, folder)
+    write_catalogue(record | {"clips": library.clips * times}, folder, ())
     return rl.Library.open(folder)
 
 
@@ -143,7 +143,7 @@ def _searched(folder: Path, query: rl.Cycle) -> dict[str, float]:
     library.search(query)
     searched = time.process_time()
     return {
-        "cycles": len(library.cycles),
+        "cycles": len(library.behaviours),
         "open_cpu_seconds": round(opened - started, 4),
         "search_cpu_seconds": round(searched - opened, 4),
     }
@@ -162,7 +162,8 @@ def _descriptions(data: Path) -> dict[str, str]:
 
 
 def _kinds(library: rl.Library, kinds: dict[str, str]) -> dict[str, Any]:
-    cycles, apart = library.cycles, _apart(library)
+    cycles = library.behaviours
+    apart = _apart(library)
     trials = np.array(["_".join(Path(file).stem.split("_")[:2]) for file, _ in cycles])
     people = np.array([trial.partition("_")[0] for trial in trials])
     kind = np.array([kinds.get(trial, "") for trial in trials])
@@ -182,12 +183,15 @@ def _kinds(library: rl.Library, kinds: dict[str, str]) -> dict[str, Any]:
 
 
 def _apart(library: rl.Library) -> np.ndarray:
-    count = len(library.cycles)
+    """Distances of all behaviours; of those that are no cycles nothing is compared."""
+    count = len(library.behaviours)
     result = np.full((count, count), np.inf)
-    for one in library.shelves:
-        for other in library.shelves:
-            distances = least_distances(one.spectra, other.spectra)
-            result[np.ix_(one.numbers, other.numbers)] = distances
+    for shelf in library.shelves:
+        one, other = (x.ravel() for x in np.indices((len(shelf.numbers),) * 2))
+        apart = pair_distances(shelf.packed, shelf.packed, one, other)
+        result[shelf.numbers[one], shelf.numbers[other]] = apart
+    once = ["loop" not in record for _, record in library.behaviours]
+    result[once] = result[:, once] = np.inf
     return result
 
 

@@ -19,7 +19,9 @@ from roundelay.commands.inspect import inspect
 from roundelay.commands.library import library
 from roundelay.commands.listing import filled
 from roundelay.commands.loop import loop
+from roundelay.commands.name import name
 from roundelay.commands.query import query
+from roundelay.commands.report import report
 from roundelay.commands.reproduce import reproduce
 from roundelay.commands.search import search
 from roundelay.commands.segment import segment
@@ -88,6 +90,8 @@ for command in (
     library,
     search,
     query,
+    name,
+    report,
     check,
     close,
     convert,

@@ -23,7 +23,7 @@ from roundelay.library.log import Log
 from roundelay.library.sealed import checksum, sealed, unsealed
 
 FILES = (
-    *("clips.jsonl", "library.json", "cycles.csv", "signatures.npz", "library.duckdb"),
+    *("clips.jsonl", "library.json", "cycles.csv", "signatures/shelves.json", "library.duckdb"),
     *("tables/cycles.parquet", "tables/runs.parquet", "loops/a.bvh/a_loop.bvh"),
 )
 DATED = ("library.json", "clips.jsonl", "library.duckdb", "runs.parquet")
@@ -86,7 +86,7 @@ def corrupt(path: Path, seed: int) -> None:
 @pytest.mark.parametrize("name", FILES)
 def test_what_is_damaged_is_mended_or_refused(library, source, copy, name, seed):
     corrupt(copy / name, seed)
-    if name in ("library.json", "signatures.npz"):
+    if name in ("library.json", "signatures/shelves.json"):
         with pytest.raises(rl.FormatError, match=f"a damaged {name}; run roundelay library again"):
             rl.Library.open(copy)
     else:
@@ -141,7 +141,8 @@ def test_a_file_in_the_way_is_named(source, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["library.json", "cycles.csv", "signatures.npz", "clips.jsonl", "library.duckdb"]
+    "name",
+    ["library.json", "cycles.csv", "clips.jsonl", "library.duckdb"],
 )
 def test_a_folder_of_something_else_is_refused(source, tmp_path, name):
     (tmp_path / name).write_text("mine")
@@ -153,13 +154,13 @@ def test_a_folder_of_something_else_is_refused(source, tmp_path, name):
 
 def test_a_library_of_a_later_version_is_refused(source, copy):
     (copy / "clips.jsonl").write_bytes(of_format(9, sealed({"claim": ["b.bvh", [], []]})) + b"\n")
-    with pytest.raises(rl.FormatError, match="expected a library of format 3, found 9"):
+    with pytest.raises(rl.FormatError, match="expected a library of format 4, found 9"):
         built(source, copy)
 
 
 def of_format(number: int, line: bytes) -> bytes:
     """Return a sealed record as if it were of another format."""
-    rest = line[21:].replace(b'"format": 3', f'"format": {number}'.encode())
+    rest = line[21:].replace(b'"format": 4', f'"format": {number}'.encode())
     return b'{"crc32": "' + checksum(rest).encode() + b'",' + rest
 
 
@@ -170,7 +171,7 @@ def test_a_library_of_an_older_version_is_made_anew(library, source, copy):
     record.write_bytes(of_format(2, record.read_bytes()))
     mine = copy / "loops/a.bvh/a_loop2.bvh"
     mine.write_text("mine")
-    with pytest.raises(rl.FormatError, match="format 2, not 3; run roundelay library again"):
+    with pytest.raises(rl.FormatError, match="format 2, not 4; run roundelay library again"):
         rl.Library.open(copy)
     with pytest.warns(rl.RoundelayWarning, match="made anew, of an older format"):
         again = rl.build_library(source, copy, jobs=1)
@@ -197,7 +198,7 @@ def test_a_crash_between_claim_and_entry(library, source, copy):
 
 def test_a_seal_tells_every_change():
     line = sealed({"a": "ä", "b": [1.5, None]})
-    told = {"crc32": line[11:19].decode(), "format": 3}
+    told = {"crc32": line[11:19].decode(), "format": 4}
     assert unsealed(line) == told | {"a": "ä", "b": [1.5, None]}
     for at in range(len(line)):
         assert unsealed(line[:at]) is None

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from roundelay.base.texts import shown
 from roundelay.commands.common import (
     BAD_INPUT,
     INTERRUPTED,
@@ -139,11 +140,12 @@ def _print_summary(made: Library, folder: Path, seconds: float) -> None:
     if passed:
         told = ", ".join(f"{count} {kind}" for kind, count in passed.items())
         echo(f"  passed over, no captures: {told}")
-    largest = sorted(made.record["groups"], key=lambda group: -group["cycles"])[:10]
+    largest = sorted(made.record["groups"], key=lambda group: -group["behaviours"])[:10]
     for group in largest:
         echo(
-            f"  group {group['group']:3d}: cycles: {group['cycles']}, clips: {group['clips']}, "
-            f"period {group['period_seconds']:.2f} s; for example {group['example']}"
+            f"  group {group['group']:3d}: {shown(group['name'] or '-')}; behaviours: "
+            f"{group['behaviours']}, clips: {group['clips']}; "
+            f"for example {shown(group['example'] or group['example_clip'])}"
         )
     if len(made.record["groups"]) > len(largest):
         echo(f"  and {len(made.record['groups']) - len(largest)} more")

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +16,18 @@ from numpy.typing import NDArray
 from roundelay.base.brief import brief
 from roundelay.base.errors import SkeletonMismatch
 from roundelay.base.numeric import SMALL
+from roundelay.base.spans import Span
+from roundelay.compare.person import POINTS, Person, person_of
 from roundelay.compare.thresholds import SPECTRA
 from roundelay.cycles.cycle import Cycle
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.geometry.symmetry import lateral_axis, partners, reflection
 from roundelay.motion.features import point_cloud
+from roundelay.motion.motion import Motion
 
-__all__ = ["Body", "Spectra", "least_distances"]
+Array = NDArray[np.float64]
+
+__all__ = ["Body", "Spectra", "best_products", "least_distances", "point_count"]
 
 # Pairs of cycles compared at once: 16 MB.
 _PAIRS = 1 << 17
@@ -36,7 +40,7 @@ class Body:
     Attributes
     ----------
     joints : tuple of str
-        Names of all joints but the root, in alphabetical order.
+        Names of a person's points, or of all joints but the root, in alphabetical order.
     partners : tuple of int
         The joint on the other side; itself where the sides of the skeleton cannot be told.
     """
@@ -46,7 +50,14 @@ class Body:
 
     @classmethod
     def of(cls, skeleton: Skeleton) -> Body:
-        """Return the body of a skeleton, whatever the order of its joints."""
+        """Return the body of a skeleton, whatever the order of its joints.
+
+        That of a person is the same on all skeletons.
+        """
+        if person_of(skeleton) is not None:
+            sides = {"left": "right", "right": "left"}
+            swapped = [" ".join(sides.get(word, word) for word in x.split(" ")) for x in POINTS]
+            return cls(POINTS, tuple(map(POINTS.index, swapped)))
         order = _alphabetical(skeleton)
         place = {joint: number for number, joint in enumerate(order)}
         try:
@@ -103,18 +114,36 @@ class Spectra:
     @classmethod
     def of(cls, cycles: Sequence[Cycle]) -> Spectra:
         """Return the signatures of at least one cycle, all of one skeleton."""
-        skeleton = cycles[0].skeleton
-        order = np.array(_alphabetical(skeleton)) - 1
-        values = np.stack([_harmonics(cycle)[:, order] for cycle in cycles])
-        body = Body.of(skeleton)
-        across = np.ones(3)
-        if body.partners != tuple(range(len(order))):
+        phases = np.arange(SPECTRA.phases) / SPECTRA.phases
+        return cls._of([cycle.at(phases, frame_time=1.0) for cycle in cycles])
+
+    @classmethod
+    def of_stretches(cls, motion: Motion, spans: Sequence[Span]) -> Spectra:
+        """Return the signatures of at least one stretch of a motion that does not repeat.
+
+        Each is taken as a cycle there and back: what is done at another speed is alike.
+        """
+        half = SPECTRA.phases // 2
+        there = np.arange(half + 1) / half
+        back = np.concatenate([there, there[-2:0:-1]])
+        return cls._of([motion.at(a + back * max(b - a - 1, 0)) for a, b in spans])
+
+    @classmethod
+    def _of(cls, shown: Sequence[Motion]) -> Spectra:
+        skeleton = shown[0].skeleton
+        person = person_of(skeleton)
+        points = [_points(one, person) for one in shown]
+        values = np.stack([_harmonics(one) for one in points])
+        body, across = Body.of(skeleton), np.ones(3)
+        if person is not None:
+            across = reflection(2)
+        elif body.partners != tuple(range(len(body.joints))):
             across = reflection(lateral_axis(skeleton, partners(skeleton)))
         return cls(
             body,
             values[:, 0].real.astype(np.float32),
             values[:, 1:].astype(np.complex64),
-            np.tile(across.astype(np.float32), (len(cycles), 1)),
+            np.tile(across.astype(np.float32), (len(shown), 1)),
         )
 
     @classmethod
@@ -150,31 +179,19 @@ class Spectra:
             self.reflections,
         )
 
-    def vectors(self) -> NDArray[np.float32]:
-        """Return vectors (n, 12 J) that are the same wherever a cycle begins, mirrored or not.
 
-        They are no farther apart than the cycles by `least_distances`: of the halves of a cycle
-        that mirroring keeps and turns round, the means and the strength of the movement.
-        """
-        other = self.mirrored()
-        parts = []
-        for means, waves in (
-            (self.means + other.means, self.waves + other.waves),
-            (np.abs(self.means - other.means), self.waves - other.waves),
-        ):
-            strength = np.sqrt(2.0 * np.sum(np.abs(waves) ** 2, axis=1))
-            parts += [means, strength]
-        joined = 0.5 * np.concatenate(parts, axis=1).reshape(len(self), -1)
-        return np.asarray(joined / np.sqrt(1 + len(self.body.joints)), np.float32)
+def _points(shown: Motion, person: Person | None) -> Array:
+    """Return points (n, J, 3): a person's, or all joints but the root, against the root."""
+    if person is not None:
+        return person.seen(shown.positions(), shown.up)
+    order = np.array(_alphabetical(shown.skeleton)) - 1
+    return point_cloud(shown.with_root_motion()).reshape(len(shown), -1, 3)[:, order]
 
 
-def _harmonics(cycle: Cycle) -> NDArray[np.complex128]:
-    """Mean and harmonics (1 + H, J, 3) of the positions of all joints but the root."""
-    count, kept = SPECTRA.phases, SPECTRA.harmonics + 1
-    shown = cycle.at(np.arange(count) / count, frame_time=1.0)
-    points = point_cloud(shown.with_root_motion())
-    spectrum = np.fft.rfft(points, axis=0)[:kept] / count
-    return cast("NDArray[np.complex128]", spectrum.reshape(kept, -1, 3))
+def _harmonics(points: Array) -> NDArray[np.complex128]:
+    """Return mean and harmonics (1 + H, J, 3) of a closed curve of points (n, J, 3)."""
+    kept = SPECTRA.harmonics + 1
+    return np.asarray(np.fft.rfft(points, axis=0)[:kept] / len(points))
 
 
 def least_distances(first: Spectra, second: Spectra) -> NDArray[np.float32]:
@@ -196,8 +213,12 @@ def least_distances(first: Spectra, second: Spectra) -> NDArray[np.float32]:
         return result
     ours, theirs = first.by(joints), second.by(joints)
     squares = np.minimum(_squares(ours, theirs), _squares(ours.mirrored(), theirs))
-    # The root counts as a joint.
-    return np.sqrt(np.maximum(squares, 0.0) / np.float32(1 + len(joints)))
+    return np.sqrt(np.maximum(squares, 0.0) / np.float32(point_count(joints)))
+
+
+def point_count(joints: Sequence[str]) -> int:
+    """Return how many points a distance is the mean over: the root counts, if it is not told."""
+    return len(joints) + (POINTS[0] not in joints)
 
 
 def _squares(first: Spectra, second: Spectra) -> NDArray[np.float32]:
@@ -226,11 +247,15 @@ def _best_products(
 ) -> NDArray[np.float32]:
     """Largest mean products (m, n), over all offsets, of curves (H, m, d) and (H, d, n)."""
     cross = np.matmul(rows, columns).reshape(len(rows), -1)
+    return 2.0 * best_products(cross).reshape(rows.shape[1], -1)
+
+
+def best_products(cross: NDArray[np.complex64]) -> NDArray[np.float32]:
+    """Return the largest sums (n,), over all offsets, of products (H, n) of harmonics."""
     offsets = np.arange(SPECTRA.offsets) / SPECTRA.offsets
-    angles = 2 * np.pi * np.outer(offsets, np.arange(1, len(rows) + 1))
-    turning = 2.0 * np.hstack([np.cos(angles), -np.sin(angles)]).astype(np.float32)
-    highest = _highest(turning @ np.vstack([cross.real, cross.imag]))
-    return highest.reshape(rows.shape[1], -1)
+    angles = 2 * np.pi * np.outer(offsets, np.arange(1, len(cross) + 1))
+    turning = np.hstack([np.cos(angles), -np.sin(angles)]).astype(np.float32)
+    return _highest(turning @ np.vstack([cross.real, cross.imag]))
 
 
 def _highest(values: NDArray[np.float32]) -> NDArray[np.float32]:

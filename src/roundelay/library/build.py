@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import os
 import time
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 from roundelay.base.checks import as_path, chosen
-from roundelay.base.errors import FormatError, RoundelayWarning
+from roundelay.base.errors import FormatError
 from roundelay.base.locks import locked
 from roundelay.base.progress import Progress, report
 from roundelay.base.threads import one_thread
@@ -22,20 +20,10 @@ from roundelay.base.version import __version__
 from roundelay.library.captures import LOOPS, find_captures
 from roundelay.library.catalogue import Library
 from roundelay.library.clips import Clip, late_clip, lost_clip, made_entry
-from roundelay.library.database import database_files, has_duckdb, write_database
-from roundelay.library.groups import group_records, grouped, labelled
 from roundelay.library.log import Log
 from roundelay.library.mending import claimed, is_done, is_intact, opened, tell_mended
-from roundelay.library.schema import source_of
-from roundelay.library.store import (
-    SIGNATURES,
-    TABLE,
-    shelved,
-    write_catalogue,
-    write_shelves,
-    write_table,
-)
 from roundelay.library.workers import Limits, spread
+from roundelay.library.writing import beside, write_library
 from roundelay.loops.options import LoopOptions
 
 __all__ = ["build_library"]
@@ -134,7 +122,7 @@ def build_library(
             with _run(log, todo, options, jobs):
                 _do(todo, log, jobs, limits, progress, tell)
         finally:
-            _write(list(captures), log, unread, passed, folder)
+            write_library(list(captures), log, unread, passed, folder)
         return Library.open(folder)
 
 
@@ -179,8 +167,7 @@ def _current(
     told = library.record
     same = [clip["file"] for clip in library.clips] == names and told["unread"] == unread
     same = same and told.get("passed_over") == passed
-    beside = (TABLE, *database_files())
-    whole = all(is_intact(folder, name, told["checksums"]) for name in beside)
+    whole = all(is_intact(folder, name, told["checksums"]) for name in beside(folder))
     return library if same and whole else None
 
 
@@ -210,45 +197,3 @@ def _do(
                 tell(entry.record["error"])
             done += sizes[entry.record["file"]]
             report(progress, done / total, f"{number} of {len(clips)} clips")
-
-
-def _write(
-    names: Sequence[str],
-    log: Log,
-    unread: Sequence[str],
-    passed: dict[str, int],
-    folder: Path,
-) -> None:
-    """Put all clips that are done in order, group their cycles and write the library."""
-    entries = [log.entries[name] for name in names if name in log.entries]
-    shelves = shelved(entries)
-    labels, examples = grouped(shelves)
-    clips = [
-        {name: value for name, value in clip.items() if name != "strides"}
-        for clip in labelled([entry.record for entry in entries], labels)
-    ]
-    record: dict[str, Any] = {
-        "roundelay": __version__,
-        "written": datetime.now(UTC).isoformat(),
-        "summary": {
-            "clips": len(clips),
-            "frames": sum(clip["frames"] for clip in clips),
-            "seconds": sum(clip["seconds"] for clip in clips),
-            "loops": len(labels),
-            "groups": len(examples),
-            "refused": sum(clip["error"] is not None for clip in clips) + len(unread),
-            "waiting": len(names) - len(clips),
-        },
-        "unread": list(unread),
-        "passed_over": passed,
-        "groups": group_records(clips, examples),
-        "clips": clips,
-    }
-    write_shelves(shelves, folder / SIGNATURES)
-    write_table(clips, folder / TABLE)
-    if has_duckdb():
-        write_database(source_of(clips, entries, log.runs), folder)
-    else:
-        told = "DuckDB is not installed: no tables for other programs are written"
-        warnings.warn(f"{told}; pip install duckdb", RoundelayWarning, stacklevel=2)
-    write_catalogue(record, folder, (SIGNATURES, TABLE, *database_files()))

@@ -3,36 +3,36 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
-import numpy as np
-
-from roundelay.base.checks import as_path
+from roundelay.base.checks import as_path, expected
 from roundelay.base.errors import FormatError, SkeletonMismatch
 from roundelay.base.threads import one_thread
-from roundelay.compare.spectra import Spectra, least_distances
+from roundelay.compare.spectra import Spectra
 from roundelay.cycles.cycle import Cycle
-from roundelay.library.sealed import FORMAT, OLDER, checksum_of
-from roundelay.library.store import CATALOGUE, SIGNATURES, Shelf, read_catalogue, read_shelves
+from roundelay.library.sealed import FORMAT, OLDER
+from roundelay.library.shelves import Shelf, read_shelves
+from roundelay.library.store import CATALOGUE, read_catalogue
+from roundelay.motion.motion import Motion
 
 __all__ = ["Library", "Match"]
 
 
 @dataclass(frozen=True)
 class Match:
-    """A cycle of a library that was found by a search.
+    """A behaviour of a library that was found by a search.
 
     Attributes
     ----------
     distance : float
-        RMS over joints and phases in body sizes, as `roundelay.cycle_distance`.
+        RMS over points and phases: of a person in lengths of leg and trunk, else in body sizes.
     file : str
         The clip that shows it.
     cycle : dict
-        Its record.
+        Its record: that of a cycle, or of a segment that shows none.
 
     Examples
     --------
@@ -80,8 +80,8 @@ class Library:
         folder = as_path(folder)
         try:
             record = _intact(folder)
-            shelves = read_shelves(folder / SIGNATURES)
-        except (OSError, ValueError, KeyError, TypeError, BadZipFile) as error:
+            shelves = read_shelves(folder)
+        except (OSError, ValueError, KeyError, TypeError) as error:
             fault = error if (folder / CATALOGUE).exists() else f"no {CATALOGUE} in it"
             message = f"expected a folder made by roundelay library, found {fault}"
             raise FormatError(message, path=folder) from None
@@ -102,13 +102,23 @@ class Library:
         """The file and the record of every cycle."""
         return [(clip["file"], cycle) for clip in self.clips for cycle in clip["cycles"]]
 
+    @cached_property
+    def behaviours(self) -> list[tuple[str, dict[str, Any]]]:
+        """The file and the record of all that can be found: cycles, and segments without one."""
+        return [
+            (clip["file"], one)
+            for clip in self.clips
+            for one in (*clip["cycles"], *filter(_is_alone, clip["segments"]))
+        ]
+
     @one_thread
-    def search(self, query: Cycle, count: int | None = 10) -> tuple[list[Match], int]:
-        """Find the cycles most like one, at the best offset in phase, mirrored or not.
+    def search(self, query: Cycle | Motion, count: int | None = 10) -> tuple[list[Match], int]:
+        """Find the behaviours most like one, at the best offset in phase, mirrored or not.
 
         Parameters
         ----------
-        query : Cycle
+        query : Cycle or Motion
+            A motion is taken as done once, from its first frame to its last.
         count : int, optional
             How many; all if None.
 
@@ -117,26 +127,41 @@ class Library:
         matches : list of Match
             Nearest first.
         left_out : int
-            How many cycles were not compared, because their skeletons share less than half of
+            How many behaviours were not compared, because their skeletons share less than half of
             the joints' names with the query.
 
         Raises
         ------
         SkeletonMismatch
             If none can be compared.
+        FormatError
+            If what is found is not as it was written.
         """
-        wanted, cycles = Spectra.of([query]), self.cycles
-        distances = np.full(len(cycles), np.inf)
+        wanted = _signature(query)
+        total = sum(len(shelf.numbers) for shelf in self.shelves)
+        found, compared = list[tuple[float, int]](), 0
         for shelf in self.shelves:
-            distances[shelf.numbers] = least_distances(wanted, shelf.spectra)[0]
-        compared = int(np.isfinite(distances).sum())
+            apart, numbers = shelf.nearest(wanted, total if count is None else count)
+            found += zip(apart.tolist(), numbers.tolist(), strict=True)
+            compared += len(shelf.numbers) if len(numbers) else 0
         if not compared:
             raise SkeletonMismatch(
-                f"none of the library's {len(cycles)} cycles has the joints of the query"
+                f"none of the library's {total} behaviours has the joints of the query"
             )
-        nearest = np.argsort(distances, kind="stable")[:compared][:count]
-        found = [Match(float(distances[number]), *cycles[number]) for number in nearest]
-        return found, len(cycles) - compared
+        nearest = sorted(found)[:count]
+        return [
+            Match(apart, *self.behaviours[number]) for apart, number in nearest
+        ], total - compared
+
+
+def _is_alone(segment: dict[str, Any]) -> bool:
+    return segment["cycle"] is None
+
+
+def _signature(query: Cycle | Motion) -> Spectra:
+    if isinstance(query, Motion):
+        return Spectra.of_stretches(query, [(0, len(query))])
+    return Spectra.of([expected(Cycle, query)])
 
 
 def _intact(folder: Path) -> dict[str, Any]:
@@ -148,6 +173,4 @@ def _intact(folder: Path) -> dict[str, Any]:
         raise ValueError(f"format {record['format']}, not {FORMAT}; run roundelay library again")
     if record["format"] != FORMAT:
         raise ValueError(f"format {record['format']}, not {FORMAT}; use the roundelay that made it")
-    if record["checksums"][SIGNATURES] != checksum_of(folder / SIGNATURES):
-        raise ValueError(f"a damaged {SIGNATURES}; run roundelay library again")
     return record

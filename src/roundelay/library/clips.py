@@ -6,7 +6,7 @@ import errno
 import os
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -25,6 +25,7 @@ from roundelay.base.errors import (
 from roundelay.base.files import fitting, name_of
 from roundelay.base.version import __version__
 from roundelay.compare.spectra import Spectra
+from roundelay.cycles.cycle import Cycle
 from roundelay.formats import files_of, files_written, read
 from roundelay.gait.strides import strides
 from roundelay.library.captures import LOOPS
@@ -161,20 +162,33 @@ def _analysed(clip: Clip, motion: Motion) -> tuple[dict[str, Any], Spectra | Non
         loops, reason = make_loops(motion, render=clip.options, timeline=told), None
     except (NoPeriod, TooShort) as refusal:
         loops, reason = [], str(refusal)
+    written = [_written(clip, *numbered) for numbered in enumerate(loops, 1)]
+    cycles = [loop.cycle for loop in loops]
+    segments = _segments(motion, told, written)
     record = {
         "file": clip.name,
         "frames": len(motion),
         "fps": round(motion.fps, 6),
         "seconds": round(motion.duration, 6),
         "joints": motion.skeleton.n_joints,
-        "segments": _segments(motion, told),
-        "cycles": [_written(clip, *numbered) for numbered in enumerate(loops, 1)],
+        "segments": segments,
+        "cycles": written,
         "strides": _strides(motion, told),
         "reason": reason,
         "error": None,
         "files": {name: checksum_of(clip.folder / name) for name in _files(clip, len(loops))},
     }
-    return record, Spectra.of([loop.cycle for loop in loops]) if loops else None
+    return record, _signatures(motion, cycles, segments)
+
+
+def _signatures(
+    motion: Motion, cycles: Sequence[Cycle], segments: Sequence[dict[str, Any]]
+) -> Spectra | None:
+    """Return the signatures of all cycles, then those of the segments that show none."""
+    spans = [(x["start_frame"], x["end_frame"]) for x in segments if x["cycle"] is None]
+    parts = [Spectra.of(cycles)] if cycles else []
+    parts += [Spectra.of_stretches(motion, spans)] if spans else []
+    return Spectra.joined(parts) if parts else None
 
 
 def lost_clip(clip: Clip) -> Entry:
@@ -210,14 +224,27 @@ def _reason(clip: Clip, error: Exception) -> str:
     return f"{error.filename}: {error.strerror}" if other else error.strerror
 
 
-def _segments(motion: Motion, told: Timeline | None) -> list[dict[str, Any]]:
-    """Cut the capture into behaviours, if it has the joints for it and is long enough."""
-    try:
-        found = segment(motion, timeline=told)
-    except RoundelayError:
-        return []
+def _segments(
+    motion: Motion, told: Timeline | None, cycles: Sequence[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Cut the capture into behaviours; one that cannot be cut is one itself."""
     kept = ("start_frame", "end_frame", "label")
-    return [{key: row[key] for key in kept} for row in found.bouts()]
+    try:
+        found = [{key: row[key] for key in kept} for row in segment(motion, timeline=told).bouts()]
+    except RoundelayError:
+        found = [dict(zip(kept, (0, len(motion), 0), strict=True))]
+    return [one | {"cycle": _shown(one, cycles)} for one in found]
+
+
+def _shown(segment: dict[str, Any], cycles: Sequence[dict[str, Any]]) -> int | None:
+    """Return the number of the cycle, from 1, that fills at least half of a segment."""
+    start, stop = segment["start_frame"], segment["end_frame"]
+    filled = [
+        (sum(max(0, min(b, stop) - max(a, start)) for a, b in cycle["parts"]), -number)
+        for number, cycle in enumerate(cycles, 1)
+    ]
+    most, number = max(filled, default=(0, 0))
+    return -number if 2 * most >= stop - start and number else None
 
 
 def _strides(motion: Motion, told: Timeline | None) -> list[dict[str, Any]]:

@@ -1,15 +1,16 @@
 """The log of a library: what is done, which files are the library's own, one sealed line each.
 
 A line is the *claim* of a clip, written before its loops are, its *entry*, written when they are
-done, or what a *run* did. A claim lists the files of the clip's folder that are not the library's,
-so that after a crash in between it is known which ones are.
+done, what a *run* did, a *group* of alike behaviours or its *name*. A claim lists the files of the
+clip's folder that are not the library's, so that after a crash in between it is known which ones
+are.
 """
 
 from __future__ import annotations
 
 import base64
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,9 @@ import numpy as np
 
 from roundelay.base.errors import FormatError
 from roundelay.base.files import written_beside
+from roundelay.compare.packed import Packed
 from roundelay.compare.spectra import Body, Spectra
+from roundelay.compare.thresholds import SPECTRA
 from roundelay.library.sealed import FORMAT, OLDER, SEAL, sealed, unsealed
 
 __all__ = ["ARRAYS", "LOG", "Claim", "Entry", "Log"]
@@ -39,7 +42,7 @@ class Entry:
     stamp : dict or None
         The version of the file that was read.
     spectra : Spectra or None
-        One a cycle.
+        One a cycle, then one a segment that shows none.
     """
 
     record: dict[str, Any]
@@ -84,6 +87,10 @@ class Log:
         Clips that were claimed, and whose process ended before they were done.
     runs : list of dict
         What each run did.
+    groups : dict
+        Examples of groups of alike behaviours, by the groups' numbers.
+    names : dict
+        What a person called groups, by their numbers; None for a name that was taken back.
     damaged : int
         How many lines are not as they were written; they are left out.
     older : int
@@ -101,6 +108,8 @@ class Log:
         self.claims: dict[str, Claim] = {}
         self.files: dict[str, dict[str, Any]] = {}
         self.runs: list[dict[str, Any]] = []
+        self.groups: dict[int, Packed] = {}
+        self.names: dict[int, str | None] = {}
         self.damaged = self.older = 0
         lines = self.path.read_bytes().split(b"\n") if self.path.exists() else []
         for line in filter(None, lines):
@@ -125,6 +134,10 @@ class Log:
             raise FormatError(f"{told}; use the roundelay that made it", path=self.path)
         elif "run" in line:
             self.runs.append(line["run"])
+        elif "group" in line:
+            self.groups[line["group"]] = _examples(line)
+        elif "name" in line:
+            self.names[line["named"]] = line["name"]
         elif "claim" in line:
             claim = Claim(*(_plain(part) for part in line["claim"]))
             self.claims[claim.name] = claim
@@ -168,6 +181,8 @@ class Log:
 
     def _lines(self) -> Iterator[bytes]:
         yield from map(_run_line, self.runs)
+        yield from (_group_line(number, one) for number, one in self.groups.items())
+        yield from (_name_line(number, name) for number, name in self.names.items())
         for claim in self.claims.values():
             yield _claim_line(claim)
             if claim.name in self.entries:
@@ -189,6 +204,17 @@ class Log:
         self.runs.append(run)
         self._append(_run_line(run))
 
+    def found(self, groups: Mapping[int, Packed]) -> None:
+        """Add examples of new groups, by their numbers."""
+        self.groups |= groups
+        if groups:
+            self._append(b"".join(_group_line(number, one) for number, one in groups.items()))
+
+    def name(self, group: int, name: str | None) -> None:
+        """Add what a person calls a group."""
+        self.names[group] = name
+        self._append(_name_line(group, name))
+
     def _append(self, line: bytes) -> None:
         """Add a line, on the disk before anything else happens."""
         try:
@@ -203,6 +229,22 @@ class Log:
 
 def _run_line(run: dict[str, Any]) -> bytes:
     return sealed({"run": run}) + b"\n"
+
+
+def _name_line(group: int, name: str | None) -> bytes:
+    return sealed({"named": group, "name": name}) + b"\n"
+
+
+def _group_line(group: int, examples: Packed) -> bytes:
+    packed = base64.b64encode(examples.values.tobytes()).decode()
+    body = {"joints": examples.body.joints, "partners": examples.body.partners}
+    return sealed({"group": group, **body, "values": packed}) + b"\n"
+
+
+def _examples(line: dict[str, Any]) -> Packed:
+    body = Body(tuple(line["joints"]), tuple(line["partners"]))
+    values = np.frombuffer(base64.b64decode(line["values"]), np.float32)
+    return Packed(body, values.reshape(-1, 3 * len(body.joints) * (1 + 2 * SPECTRA.harmonics)))
 
 
 def _claim_line(claim: Claim) -> bytes:

@@ -17,7 +17,8 @@ from roundelay.library.clips import Clip
 from roundelay.library.database import PARQUET, database_files
 from roundelay.library.log import Claim, Log
 from roundelay.library.sealed import checksum_of
-from roundelay.library.store import CATALOGUE, SIGNATURES, TABLE, read_catalogue
+from roundelay.library.shelves import FOLDER, SHELVES
+from roundelay.library.store import CATALOGUE, TABLE, read_catalogue
 
 __all__ = ["claimed", "is_done", "is_intact", "opened", "tell_mended"]
 
@@ -35,14 +36,14 @@ def opened(folder: Path) -> Log:
         _refuse_foreign(folder)
     for place, _, files in os.walk(folder / LOOPS):
         _remove_parts(Path(place), files)
-    for top in (folder, folder / PARQUET):
+    for top in (folder, folder / PARQUET, folder / FOLDER):
         _remove_parts(top, os.listdir(top) if top.is_dir() else ())
     return log
 
 
 def _refuse_foreign(folder: Path) -> None:
     """Refuse a folder that would lose a file of the user's."""
-    for path in (folder / name for name in (CATALOGUE, SIGNATURES, TABLE, *database_files())):
+    for path in (folder / name for name in (CATALOGUE, SHELVES, TABLE, *database_files())):
         if path.exists():
             told = "expected a library or a folder without such a file, found one of no library"
             raise FileExistsError(errno.EEXIST, told, str(path))
@@ -80,7 +81,7 @@ def _damaged(folder: Path) -> list[str]:
     if known is None:
         return [CATALOGUE]
     beside = known.get("checksums", {})
-    names = (SIGNATURES, TABLE, *database_files())
+    names = dict.fromkeys([*beside, SHELVES, TABLE, *database_files()])
     return [name for name in names if not is_intact(folder, name, beside)]
 
 

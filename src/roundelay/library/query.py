@@ -21,14 +21,14 @@ from roundelay.library.database import (
     DATABASE,
     Outdated,
     connected,
-    database_files,
     has_duckdb,
     in_a_line,
     write_database,
 )
 from roundelay.library.log import Log
 from roundelay.library.schema import source_of
-from roundelay.library.store import SIGNATURES, TABLE, write_catalogue
+from roundelay.library.store import write_catalogue
+from roundelay.library.writing import beside
 
 if TYPE_CHECKING:
     from duckdb import DuckDBPyConnection
@@ -204,8 +204,8 @@ def _remake(folder: Path) -> None:
             told = f"the records of {len(missing)} of {len(record['clips'])} clips are damaged"
             raise FormatError(f"{told}; run roundelay library again", path=folder / DATABASE)
         entries = [log.entries[clip["file"]] for clip in record["clips"]]
-        write_database(source_of(record["clips"], entries, log.runs), folder)
+        write_database(source_of(record, entries, log.runs), folder)
         kept = {
             name: value for name, value in record.items() if name not in ("format", "checksums")
         }
-        write_catalogue(kept, folder, (SIGNATURES, TABLE, *database_files()))
+        write_catalogue(kept, folder, beside(folder))

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from roundelay.compare.packed import Packed
 from roundelay.gait.table import Stride
 from roundelay.library.log import Entry
 from roundelay.loops.quality import Quality
@@ -29,15 +30,18 @@ class Source:
     ----------
     clips : sequence of dict
         Records of clips as in ``library.json``.
+    groups : sequence of dict
+        The vocabulary.
     strides : mapping
         The strides of clips, by the clips' names.
     vectors : sequence
-        Of each cycle, in order: the names of the body's points, and its signature as numbers.
+        Of each behaviour with a signature, in order: the names of the body's points, and numbers.
     runs : sequence of dict
         What each run of ``roundelay library`` did.
     """
 
     clips: Sequence[Row]
+    groups: Sequence[Row]
     strides: Mapping[str, Sequence[Row]]
     vectors: Sequence[tuple[Sequence[str], Sequence[float]]]
     runs: Sequence[Row]
@@ -67,21 +71,22 @@ class Table:
     rows: Callable[[Source], Iterable[Row]]
 
 
-def source_of(clips: Sequence[Row], entries: Sequence[Entry], runs: Sequence[Row]) -> Source:
+def source_of(record: Row, entries: Sequence[Entry], runs: Sequence[Row]) -> Source:
     """Gather what the tables are made of.
 
     Parameters
     ----------
-    clips : sequence of dict
-        Records as in ``library.json``.
+    record : dict
+        All that ``library.json`` tells.
     entries : sequence of Entry
-        Of these clips.
+        Of its clips.
     runs : sequence of dict
     """
     strides = {entry.name: entry.record["strides"] for entry in entries}
     spectra = [entry.spectra for entry in entries if entry.spectra is not None]
-    vectors = [(one.body.joints, row) for one in spectra for row in one.vectors().tolist()]
-    return Source(clips, strides, vectors, runs)
+    packed = [Packed.of(one) for one in spectra]
+    vectors = [(one.body.joints, row) for one in packed for row in one.vectors().tolist()]
+    return Source(record["clips"], record["groups"], strides, vectors, runs)
 
 
 def as_text(value: Any) -> Any:
@@ -115,7 +120,9 @@ def _behaviours(source: Source) -> Iterator[Row]:
                 "start_seconds": start / fps,
                 "end_seconds": stop / fps,
                 "label": segment["label"],
+                "cycle": segment["cycle"],
                 "group_number": segment["group"],
+                "name": segment["name"],
             }
 
 
@@ -145,6 +152,7 @@ def _cycles(source: Source) -> Iterator[Row]:
     for clip, number, cycle in _numbered(source):
         told = {name: cycle.get(name) for name in _OF_CYCLES}
         named = {"clip": clip["file"], "cycle": number, "group_number": cycle["group"]}
+        named["name"] = cycle["name"]
         yield named | told | {"record": cycle}
 
 
@@ -172,9 +180,23 @@ def _strides(source: Source) -> Iterator[Row]:
 
 
 def _signatures(source: Source) -> Iterator[Row]:
-    for (clip, number, _), (points, vector) in zip(_numbered(source), source.vectors, strict=True):
-        named = {"clip": clip["file"], "cycle": number}
-        yield named | {"points": list(points), "vector": list(vector)}
+    vectors = iter(source.vectors)
+    for clip in source.clips:
+        cycles = [{"cycle": number} for number in range(1, len(clip["cycles"]) + 1)]
+        once = [
+            {"behaviour": number}
+            for number, one in enumerate(clip["segments"], 1)
+            if one["cycle"] is None
+        ]
+        for number, named in enumerate([*cycles, *once], 1):
+            points, vector = next(vectors)
+            told = {"clip": clip["file"], "signature": number}
+            yield told | named | {"points": list(points), "vector": list(vector)}
+
+
+def _groups(source: Source) -> Iterator[Row]:
+    for group in source.groups:
+        yield group | {"group_number": group["group"], "example_loop": group["example"]}
 
 
 def _runs(source: Source) -> Iterator[Row]:
@@ -184,7 +206,10 @@ def _runs(source: Source) -> Iterator[Row]:
 
 _CLIP = {"clip": ("VARCHAR", "path of the capture below the sources, with slashes")}
 _CYCLE = _CLIP | {"cycle": ("INTEGER", "number within the clip, from 1")}
-_GROUP = {"group_number": ("INTEGER", "the same for alike cycles of all clips")}
+_GROUP = {
+    "group_number": ("INTEGER", "the same for alike behaviours of all clips; see `groups`"),
+    "name": ("VARCHAR", "of the group"),
+}
 _FIGURES = tuple(Quality.__dataclass_fields__)
 _UNITS = {"foot": "VARCHAR"}
 
@@ -218,6 +243,7 @@ TABLES = (
             "start_seconds": ("DOUBLE", ""),
             "end_seconds": ("DOUBLE", ""),
             "label": ("INTEGER", "the same for alike stretches of the clip"),
+            "cycle": ("INTEGER", "the cycle that fills at least half of it"),
         }
         | _GROUP,
         ("clip", "behaviour"),
@@ -277,14 +303,35 @@ TABLES = (
     ),
     Table(
         "signatures",
-        "what a cycle is compared by",
-        _CYCLE
+        "what a cycle, or a behaviour that shows none, is compared by",
+        _CLIP
         | {
+            "signature": ("INTEGER", "number within the clip, from 1"),
+            "cycle": ("INTEGER", "its number, if it is a cycle"),
+            "behaviour": ("INTEGER", "its number, if it is none"),
             "points": ("VARCHAR[]", "the body's points, by name"),
             "vector": ("FLOAT[]", "the same wherever the cycle begins"),
         },
-        ("clip", "cycle"),
+        ("clip", "signature"),
         _signatures,
+    ),
+    Table(
+        "groups",
+        "a word of the vocabulary: alike behaviours of all clips",
+        {
+            "group_number": ("INTEGER", "stays the same when clips are added"),
+            "name": ("VARCHAR", "what it is called, if anything"),
+            "named_by": ("VARCHAR", "person, likeness (to a group with a name) or files"),
+            "behaviours": ("INTEGER", "that are of it"),
+            "cycles": ("INTEGER", "of these"),
+            "clips": ("INTEGER", "that show it"),
+            "period_seconds": ("DOUBLE", "median of its cycles"),
+            "example_loop": ("VARCHAR", "of its most typical behaviour"),
+            "example_clip": ("VARCHAR", ""),
+            "example_frames": ("INTEGER[]", "half-open"),
+        },
+        ("group_number",),
+        _groups,
     ),
     Table(
         "runs",

@@ -14,13 +14,13 @@ from typing import Any
 
 __all__ = ["FORMAT", "OLDER", "SEAL", "checksum", "checksum_of", "sealed", "unsealed"]
 
-FORMAT = 3
+FORMAT = 4
 """The number of the format of a library's files.
 
-1 had neither checksums nor lists of files, 2 neither strides nor runs. Of a library of format 2 it
-is known which files are its own: its clips are done again.
+1 had neither checksums nor lists of files, 2 neither strides nor runs, 3 no vocabulary. Of a
+library of format 2 or 3 it is known which files are its own: its clips are done again.
 """
-OLDER = (2,)
+OLDER = (2, 3)
 SEAL = b'{"crc32": "'
 """How every sealed record begins."""
 _STOP = b'",'

@@ -4,7 +4,7 @@
 ``clips.jsonl``    one line a clip as it was done: see `roundelay.library.log`
 ``library.json``   one record a clip, the groups, the sums; checksums of itself and the others
 ``cycles.csv``     one row a cycle
-``signatures.npz`` the cycles' signatures, by body
+``signatures/``    what behaviours are compared by: see `roundelay.library.shelves`
 ``library.duckdb`` the tables for other programs, and ``tables/``: see `roundelay.library.database`
 ``loops/``         the loops, in one folder a clip
 =================  ================================================================
@@ -14,36 +14,20 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from roundelay.base.cells import cell
 from roundelay.base.files import written_beside
-from roundelay.compare.spectra import Body, Spectra
-from roundelay.library.log import ARRAYS, Entry
 from roundelay.library.sealed import checksum_of, sealed, unsealed
 
-__all__ = [
-    "CATALOGUE",
-    "SIGNATURES",
-    "TABLE",
-    "Shelf",
-    "read_catalogue",
-    "read_shelves",
-    "shelved",
-    "write_catalogue",
-    "write_shelves",
-    "write_table",
-]
+__all__ = ["CATALOGUE", "TABLE", "read_catalogue", "write_catalogue", "write_table"]
 
-CATALOGUE, SIGNATURES, TABLE = "library.json", "signatures.npz", "cycles.csv"
+CATALOGUE, TABLE = "library.json", "cycles.csv"
 
 _COLUMNS = (
     "group",
+    "name",
     "period_seconds",
     "period_frames",
     "repetitions",
@@ -54,56 +38,6 @@ _COLUMNS = (
     "loop",
 )
 _FIGURES = ("template_error", "seam_rotation")
-
-
-@dataclass(frozen=True, eq=False)
-class Shelf:
-    """The cycles of one body: their numbers among all of a library, and their signatures."""
-
-    numbers: NDArray[np.intp]
-    spectra: Spectra
-
-
-def shelved(entries: Sequence[Entry]) -> list[Shelf]:
-    """Put the cycles of all entries, numbered in order, on one shelf a body."""
-    numbers: dict[Body, list[int]] = {}
-    parts: dict[Body, list[Spectra]] = {}
-    count = 0
-    for entry in entries:
-        if entry.spectra is not None:
-            body, many = entry.spectra.body, len(entry.spectra)
-            numbers.setdefault(body, []).extend(range(count, count + many))
-            parts.setdefault(body, []).append(entry.spectra)
-            count += many
-    return [Shelf(np.array(numbers[body]), Spectra.joined(parts[body])) for body in parts]
-
-
-def write_shelves(shelves: Sequence[Shelf], path: Path) -> None:
-    """Write the signatures of a library."""
-    arrays: dict[str, Any] = {}
-    for number, shelf in enumerate(shelves):
-        body = shelf.spectra.body
-        named = {
-            "numbers": shelf.numbers,
-            "joints": np.array(body.joints),
-            "partners": np.array(body.partners),
-        }
-        named |= {name: getattr(shelf.spectra, name) for name in ARRAYS}
-        arrays |= {f"{name}_{number}": array for name, array in named.items()}
-    with written_beside(path, durable=True) as part:
-        np.savez(part, **arrays)
-
-
-def read_shelves(path: Path) -> list[Shelf]:
-    """Read the signatures of a library."""
-    shelves = []
-    with np.load(path) as file:
-        for number in range(sum(name.startswith("numbers_") for name in file.files)):
-            joints, partners = (file[f"{name}_{number}"] for name in ("joints", "partners"))
-            body = Body(tuple(joints.tolist()), tuple(partners.tolist()))
-            arrays = [file[f"{name}_{number}"] for name in ARRAYS]
-            shelves.append(Shelf(file[f"numbers_{number}"], Spectra(body, *arrays)))
-    return shelves
 
 
 def write_catalogue(record: dict[str, Any], folder: Path, names: Sequence[str]) -> None:

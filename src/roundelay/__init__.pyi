@@ -24,6 +24,8 @@ from roundelay.cycles.cycle import Cycle as Cycle
 from roundelay.cycles.edit.blend import CycleSpace as CycleSpace
 from roundelay.cycles.edit.blend import blend as blend
 from roundelay.cycles.edit.blend import transition as transition
+from roundelay.cycles.modes import Modes as Modes
+from roundelay.cycles.modes import modes as modes
 from roundelay.cycles.repetitions import Repetitions as Repetitions
 from roundelay.cycles.repetitions import repetitions as repetitions
 from roundelay.formats import read as read

@@ -26,12 +26,14 @@ __all__ = [
     "Gait",
     "Stepped",
     "Synthetic",
+    "Varied",
     "as_points",
     "gait",
     "humanoid",
     "quadruped",
     "sequence",
     "steps",
+    "varied",
     "wander",
 ]
 
@@ -122,6 +124,29 @@ class Stepped:
     motion: Motion
     strikes: dict[str, _Array]
     offs: dict[str, _Array]
+
+    __repr__ = brief
+
+
+@dataclass(frozen=True, eq=False)
+class Varied:
+    """A made walk whose repetitions differ in known ways.
+
+    Attributes
+    ----------
+    motion : Motion
+    phase : (F,) ndarray
+        Unwrapped, in turns, from 0.
+    durations : (R,) ndarray
+        Seconds of each repetition.
+    scores : (R, 2) ndarray
+        How much each repetition has of both ways, in standard deviations.
+    """
+
+    motion: Motion
+    phase: _Array
+    durations: _Array
+    scores: _Array
 
     __repr__ = brief
 
@@ -491,6 +516,64 @@ def _between_ends(u: _Array, start: _Array, stop: _Array, first: _Array, last: _
         + (3 * u**2 - 2 * u**3) * stop
         + (u**3 - u**2) * last
     )
+
+
+# The phase of `gait` at which a walker's left foot comes down.
+_CONTACT = 0.8
+# The ways in which repetitions of `varied` differ: joints, with radians of (swing, raise).
+_WAYS: tuple[dict[str, tuple[float, float]], ...] = (
+    {"LeftArm": (0.0, 0.3), "RightArm": (0.0, -0.3), "LeftForeArm": (-0.3, 0.0)},
+    {"Spine": (0.1, 0.0), "Neck": (-0.15, 0.0), "RightUpLeg": (-0.08, 0.0)},
+)
+
+
+def varied(
+    repetitions: int = 12,
+    *,
+    period: float = 1.1,
+    spread: float = 0.03,
+    noise: float = 0.002,
+    fps: float = 60.0,
+    rng: _Rng = 0,
+) -> Varied:
+    """Make a walk whose repetitions differ in two ways, independent of each other, and in time.
+
+    In one arms are lifted, in the other, a smaller one, the trunk leans and a leg is raised. Both
+    are those of a mean repetition where one ends and the next begins: where the left foot comes
+    down.
+
+    Parameters
+    ----------
+    repetitions : int
+    period : float
+        Mean duration in seconds.
+    spread : float
+        Standard deviation of durations over their mean.
+    noise : float
+        Standard deviation of white noise on every joint, in radians.
+    fps : float
+    rng : int or numpy.random.Generator
+        Draws all of it.
+
+    Returns
+    -------
+    Varied
+    """
+    draw, skeleton = np.random.default_rng(rng), humanoid()
+    scores = draw.normal(size=(repetitions, len(_WAYS)))
+    durations = period * (1.0 + spread * draw.normal(size=repetitions))
+    ends = np.concatenate([[0.0], np.cumsum(durations)])
+    phase = np.interp(np.arange(int(ends[-1] * fps)) / fps, ends, np.arange(repetitions + 1))
+    rotations = _poses("walk", skeleton, phase + _CONTACT, draw)
+    vectors = draw.normal(scale=noise, size=(len(phase), skeleton.n_joints, 3))
+    shown = scores[phase.astype(int)] * np.sin(np.pi * phase[:, None]) ** 2
+    for way, own in zip(_WAYS, shown.T, strict=True):
+        for name, (swing, lift) in way.items():
+            vectors[:, skeleton.index(name)] += own[:, None] * np.array([swing, 0.0, lift])
+    rotations = rot.multiply(rotations, rot.from_rotation_vector(vectors))
+    path = _path(_PACE["walk"][1] * 1.75, _hips(skeleton), phase, 0.0, phase)
+    motion = Motion(skeleton, rotations, path, 1.0 / fps, name="varied")
+    return Varied(motion, phase, durations, scores)
 
 
 def wander(

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 from statistics import NormalDist
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.brief import brief
-from roundelay.base.checks import expected
+from roundelay.base.checks import as_numbers, expected
 from roundelay.base.errors import TooShort
 from roundelay.base.numeric import TINY, smoothstep
 from roundelay.base.spans import Spans
@@ -26,7 +26,9 @@ from roundelay.cycles.cycle import Cycle
 from roundelay.cycles.edit.footlock import lock_feet
 from roundelay.cycles.thresholds import VARIATION
 from roundelay.geometry import rotations as rot
+from roundelay.motion.floating import as_motion
 from roundelay.motion.motion import Motion, checked_rate
+from roundelay.motion.points import Points
 from roundelay.phase.harmonic import highest_harmonic
 
 __all__ = ["Band", "Repetitions", "repetitions"]
@@ -183,12 +185,38 @@ class Repetitions:
         if periods < 1:
             raise ValueError(f"expected at least one period, found {periods}")
         drawn = self._drawn(periods, rng, amount)
-        rate = checked_rate(self.cycle.fps if fps is None else fps)
-        count = max(1, round(float(drawn.durations.sum()) * rate))
-        # The row before and after decide about feet that stand across the join.
-        time = np.arange(-count, 2 * count) / count
-        around = drawn.shown(time, rate, in_place, foot_lock=foot_lock)
-        return around[count : 2 * count + int(repeat_first)]
+        return self._looped(drawn, fps, in_place, repeat_first, foot_lock)
+
+    @one_thread
+    def mixed(
+        self,
+        shares: ArrayLike,
+        *,
+        fps: float | None = None,
+        in_place: bool = False,
+        repeat_first: bool = False,
+        foot_lock: bool = True,
+    ) -> Motion:
+        """Mix the differences of repetitions from their mean, and return the loop of the mixtures.
+
+        Parameters
+        ----------
+        shares : (n, R) array_like
+            A row a period: how much of each repetition's difference is added to the mean.
+        fps, in_place, repeat_first, foot_lock
+            As for `vary`.
+
+        Raises
+        ------
+        ValueError
+            If the shares are not finite rows of R numbers, or `fps` is not positive.
+        """
+        rows = np.asarray(as_numbers(shares, "shares"), float)
+        if rows.ndim != 2 or not len(rows) or rows.shape[1] != len(self):
+            raise ValueError(f"expected rows of {len(self)} shares, found shape {rows.shape}")
+        if not np.isfinite(rows).all():
+            raise ValueError("expected finite shares, found others")
+        return self._looped(self._mixtures(rows), fps, in_place, repeat_first, foot_lock)
 
     @one_thread
     def play(
@@ -219,9 +247,21 @@ class Repetitions:
             raise ValueError(f"expected an amount of 0 or more, found {amount:g}")
         own = self._several("variation")
         draw = np.random.default_rng(rng)
-        shares = amount * draw.normal(size=(count, own)) / np.sqrt(own - 1.0)
+        return self._mixtures(amount * draw.normal(size=(count, own)) / np.sqrt(own - 1.0))
+
+    def _mixtures(self, shares: Array) -> _Drawn:
         logs = np.log(self.durations)
         return _Drawn(self, shares, self.cycle.period * np.exp(shares @ (logs - logs.mean())))
+
+    def _looped(
+        self, drawn: _Drawn, fps: float | None, in_place: bool, repeat_first: bool, foot_lock: bool
+    ) -> Motion:
+        rate = checked_rate(self.cycle.fps if fps is None else fps)
+        count = max(1, round(float(drawn.durations.sum()) * rate))
+        # The row before and after decide about feet that stand across the join.
+        time = np.arange(-count, 2 * count) / count
+        around = drawn.shown(time, rate, in_place, foot_lock=foot_lock)
+        return around[count : 2 * count + int(repeat_first)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,14 +351,14 @@ def _with_feet_held(motion: Motion, longest: int) -> Motion:
 
 
 @one_thread
-def repetitions(cycle: Cycle, motion: Motion) -> Repetitions:
+def repetitions(cycle: Cycle, motion: Motion | Points) -> Repetitions:
     """Return the whole repetitions of a capture behind a cycle that was found in it.
 
     Parameters
     ----------
     cycle : Cycle
         As from `roundelay.find_cycles`.
-    motion : Motion
+    motion : Motion or Points
         The capture given to it.
 
     Raises
@@ -336,7 +376,7 @@ def repetitions(cycle: Cycle, motion: Motion) -> Repetitions:
     >>> len(kept.durations), len(another)
     (5, 66)
     """
-    cycle, motion = expected(Cycle, cycle), expected(Motion, motion)
+    cycle, motion = expected(Cycle, cycle), as_motion(motion)
     if cycle.evidence is None or cycle.phase is None:
         raise ValueError("expected a cycle found in a capture, with its evidence and phase")
     body, runs = motion.with_root_motion(), cycle.evidence.runs

@@ -225,6 +225,15 @@ class _Variation(Thresholds):
         origin="to either side of a join over which one repetition fades into the next; " + BY_EYE,
     )
     steps: int = constant(64, unit="steps a period", origin="in which pace is summed; for speed")
+    fewest: int = constant(
+        4, unit="repetitions", origin="of three, one left out, modes tell nothing of the others"
+    )
+    modes: int = constant(8, unit="modes", origin="tried at most; for speed")
+    gain: float = constant(
+        0.01,
+        unit="share of the squared error of the mean alone",
+        origin="by which modes more must predict better; " + BY_EYE,
+    )
 
 
 VARIATION = _Variation()

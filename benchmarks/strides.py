@@ -12,6 +12,17 @@ moments within 20 ms of those that force plates in the C3D trials tell, for whol
 plate whose heel and toe are marked by name; ``plates_all`` counts all trials. On walks of ``truth``
 and the C3D trials moments stand beside Zeni's rule, written here anew: how much later they are, and
 which share of Zeni's steps is missed.
+
+``modes_better``: of cycles with six repetitions or more, the share whose left-out second halves
+modes predict better than the mean does; ``modes_found``: of the known ways in which repetitions of
+made walks differ, the share that modes tell. ``style_nearer``: of captures whose style another
+content shows, too, the share that lies nearer to that style laid on the plain cycle of its content
+than to the plain cycle itself.
+
+``tracker``: phases told frame by frame, RMS in turns over all frames, of takes by their own cycle
+and by those of the person's other takes (truth: the offline phase), and of made walks; how long who
+was lost takes to be found at most; processor time a frame; what is told of random motion a minute;
+and the share of takes of one gait whose period is told before a fourth repetition ends.
 """
 
 from __future__ import annotations
@@ -26,7 +37,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import roundelay as rl
+from benchmarks import _live as live
 from benchmarks._harness import Target, parser, report
+from benchmarks._left_out import TOLD, known_ways, left_out_repetitions, styles
 from benchmarks._plates import PlateStep, plate_steps
 from benchmarks._truth_data import captures
 from benchmarks.start import ANKLES, HIPS
@@ -46,6 +59,15 @@ TARGETS = (
     Target("coverage", ">=", 0.93, "intervals of 95 % hold the mean"),
     Target("coverage", "<=", 0.97, "intervals of 95 % hold the mean, and not too often"),
     Target("plates", ">=", 0.9, "share of moments within 20 ms of the plates'"),
+    Target("tracker.same", "<=", 0.02, "phase off frame by frame, same take, RMS in turns"),
+    Target("tracker.other", "<=", 0.05, "phase off frame by frame, the person's other takes"),
+    Target("tracker.made_same", "<=", 0.02, "phase off frame by frame, made walks, same person"),
+    Target("tracker.made_other", "<=", 0.05, "phase off frame by frame, made walks, another"),
+    Target("tracker.microseconds", "<=", 50.0, "microseconds a frame"),
+    Target("tracker.back", "<=", 1.0, "periods until who was lost is found"),
+    Target("tracker.false_a_minute", "<=", 0.1, "periods told of random motion, a minute"),
+    Target("modes_better", ">=", 0.8, "share of cycles that modes predict better than the mean"),
+    Target("style_nearer", ">=", 0.75, "share of captures nearer than their plain cycle"),
 )
 # Made walks: speed in metres a second and stride in seconds; each in all ways.
 PACES = ((0.8, 1.25), (1.1, 1.1), (1.3, 1.0))
@@ -75,6 +97,16 @@ def main() -> None:
     on_plates = [row for name, motion, steps in trials for row in _on_plates(name, motion, steps)]
     covered = list(_covered(arguments.runs))
     found = {"walks": walks, "beside": beside, "plates": on_plates, "covered": covered}
+    found |= {
+        "modes": list(left_out_repetitions(arguments.data / "truth")),
+        "ways": list(known_ways()),
+        "styles": list(styles(arguments.data)),
+        "tracked": list(live.tracked_takes(arguments.data)),
+        "tracked_made": list(live.tracked_walks()),
+        "again": list(live.found_again()),
+        "told": list(live.periods_told(arguments.data / "truth")),
+        "cost": [{"microseconds": live.microseconds()} | live.false_periods()],
+    }
     table = [str(row) for rows in found.values() for row in rows]
     report("strides", {"summary": _summary(found), **found}, TARGETS, arguments, table=table)
 
@@ -112,6 +144,50 @@ def _summary(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
             / max(1, sum(row["steps"] for row in found["beside"])),
             4,
         ),
+        **_predicted(found),
+        "tracker": _tracked(found),
+    }
+
+
+def _tracked(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
+    (cost,) = found["cost"]
+    summary = {
+        f"{name}{kind}": _pooled([row for row in found[rows] if row["kind"] == kind])
+        for name, rows in (("", "tracked"), ("made_", "tracked_made"))
+        for kind in ("same", "other")
+    }
+    return summary | {
+        "takes": sum(row["kind"] == "same" for row in found["tracked"]),
+        "pairs": sum(row["kind"] == "other" for row in found["tracked"]),
+        "back": max(row["periods"] for row in found["again"]),
+        "microseconds": cost["microseconds"],
+        "false_a_minute": round(cost["told"] / cost["minutes"], 3),
+        "random_minutes": cost["minutes"],
+        "told_in_time": _share(
+            row["after"] is not None and row["after"] <= 4 for row in found["told"]
+        ),
+        "told_takes": len(found["told"]),
+    }
+
+
+def _pooled(rows: list[dict[str, Any]]) -> float:
+    """Return the RMS over all frames of several takes."""
+    known = [(row["frames"], row["rms"]) for row in rows if row["rms"] is not None]
+    squares = sum(count * rms**2 for count, rms in known)
+    return round(float(np.sqrt(squares / sum(count for count, _ in known))), 4)
+
+
+def _predicted(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
+    errors = [row["error"] for row in found["modes"]]
+    nearness = [row["nearness"] for row in found["styles"]]
+    return {
+        "modes_better": _share(x < 1.0 for x in errors),
+        "modes_cycles": len(errors),
+        "modes_error": _quantile(errors, 0.5),
+        "modes_found": _share(x >= TOLD for row in found["ways"] for x in row["told"]),
+        "style_nearer": _share(x < 1.0 for x in nearness),
+        "style_captures": len(nearness),
+        "style_nearness": _quantile(nearness, 0.5),
     }
 
 

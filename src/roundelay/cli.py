@@ -12,6 +12,7 @@ from roundelay.commands.blend import blend, transition
 from roundelay.commands.check import check
 from roundelay.commands.close import close
 from roundelay.commands.common import BAD_INPUT, INTERRUPTED, one_line_errors
+from roundelay.commands.compare import compare
 from roundelay.commands.convert import convert
 from roundelay.commands.excitations import excitations
 from roundelay.commands.info import info
@@ -80,6 +81,7 @@ for command in (
     segment,
     timeline,
     strides,
+    compare,
     inspect,
     excitations,
     reproduce,

@@ -92,4 +92,3 @@ def test_points_have_modes_too():
     assert values.shape[0] == len(own)
     assert 0 < early.sum() < len(early)
     assert rl.modes(own).count >= 1
-

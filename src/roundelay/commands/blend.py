@@ -21,7 +21,7 @@ from roundelay.commands.common import (
 )
 from roundelay.commands.limbs import print_limbs
 from roundelay.commands.options import all_but, only, takes
-from roundelay.cycles.edit.options import BlendOptions, TransitionOptions
+from roundelay.cycles.edit.options import AmountOptions, BlendOptions, TransitionOptions
 from roundelay.formats.options import ReadOptions
 from roundelay.loops.options import LoopOptions
 
@@ -38,13 +38,31 @@ Second = Annotated[
     Path, typer.Argument(metavar="SECOND", help="A {readers} file.", show_default=False)
 ]
 
+StylePair = Annotated[
+    tuple[Path, Path] | None,
+    typer.Option(
+        "--style",
+        metavar="STYLED NEUTRAL",
+        help="Two captures whose difference is laid on the loop, such as the walk of an old man "
+        "and a plain walk.",
+        show_default=False,
+    ),
+]
 
-@takes(mixing=BlendOptions, written=all_but(LoopOptions, "profile"), reading=ReadOptions)
+
+@takes(
+    mixing=BlendOptions,
+    laid=AmountOptions,
+    written=all_but(LoopOptions, "profile"),
+    reading=ReadOptions,
+)
 def blend(
     captures: Captures,
     output: Output,
+    style: StylePair = None,
     *,
     mixing: BlendOptions,
+    laid: AmountOptions,
     written: LoopOptions,
     reading: ReadOptions,
     given: frozenset[str],
@@ -54,17 +72,28 @@ def blend(
     The cycles are brought into phase and heading with the first; rotations are averaged on the
     sphere, travel, turning and period blended along. Limbs that pass through each other more
     than in the captures are parted. In a folder the file is FIRST_blend.bvh.
+
+    With --style the difference of two more captures is laid on it, as much as --amount says; one
+    capture is then enough.
     """
     with one_line_errors():
         from roundelay.cycles.edit.blend import blend as blend_cycles
+        from roundelay.cycles.edit.style import style as style_of
         from roundelay.formats import suffixes_of, writers
         from roundelay.loops.recipe import rendered
 
         shares = _shares(mixing, len(captures))
         place = place_of(output, name_of(captures[0]), suffixes_of(writers))
         written = in_format_of(place, written, given, captures[0], reading)
-        cycles, sources = _best_cycles(captures, mixing.mirror, reading)
-        mixed = blend_cycles(cycles, shares, by=mixing.by, mirror=mixing.mirror)
+        if "amount" in given and style is None:
+            raise ValueError("--amount says how much of --style, which is not given")
+        several = [*captures, *(style or ())]
+        cycles, sources = _best_cycles(several, mixing.mirror, reading)
+        count = len(captures)
+        mixed = blend_cycles(cycles[:count], shares, by=mixing.by, mirror=mixing.mirror)
+        if style is not None:
+            laid_on = style_of(*cycles[count:], by=mixing.by, mirror=mixing.mirror)
+            mixed = laid_on.on(mixed, laid.amount)
         loop = rendered(mixed, sources, written)
         path = place.file or place.path("blend", f".{written.file_format}")
         loop.write(path)

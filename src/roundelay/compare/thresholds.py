@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from roundelay.base.thresholds import Thresholds, constant
+from roundelay.base.thresholds import BY_EYE, Thresholds, constant
 
-__all__ = ["GROUPS", "NEAR", "SPECTRA"]
+__all__ = ["GROUPS", "NEAR", "SPECTRA", "WAVEFORMS"]
 
 
 @dataclass(frozen=True)
@@ -78,3 +78,25 @@ class _Groups(Thresholds):
 
 
 GROUPS = _Groups()
+
+
+@dataclass(frozen=True)
+class _Waveforms(Thresholds):
+    """Turns of joints that mean the same in two skeletons."""
+
+    bone: float = constant(
+        0.02, unit="body sizes", origin="a shorter bone's direction tells nothing; " + BY_EYE
+    )
+    alike: float = constant(
+        0.8,
+        unit="cosine",
+        origin="between bones in the axes of their joints where these are the same; " + BY_EYE,
+    )
+    turned: float = constant(
+        60.0,
+        unit="degrees",
+        origin="between mean poses, median over joints: axes differ beyond it; " + BY_EYE,
+    )
+
+
+WAVEFORMS = _Waveforms()

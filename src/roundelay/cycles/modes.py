@@ -23,7 +23,6 @@ from roundelay.base.numeric import ROUNDING, SMALL
 from roundelay.base.threads import one_thread
 from roundelay.cycles.repetitions import Repetitions
 from roundelay.cycles.thresholds import VARIATION
-from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
 __all__ = ["Chosen", "Modes", "chosen_modes", "curves", "modes", "predicted"]
@@ -141,7 +140,7 @@ def curves(source: Repetitions) -> tuple[Array, Mask]:
     """
     inside = (source.phase >= 0.0) & (source.phase < 1.0)
     phase, size = source.phase[inside], source.cycle.skeleton.size
-    reach = _reach(source.cycle.skeleton) / size
+    reach = source.cycle.skeleton.reaches / size
     way = np.cumsum(source.velocity[:, inside], axis=1) / (len(phase) * size)
     told = [
         source.turns[:, inside] * reach[:, None],
@@ -238,15 +237,3 @@ class _Fit:
     def _left(self) -> Array:
         """Variance beyond the first 0, 1, ... modes."""
         return np.asarray(self.variances.sum() - np.append(0.0, np.cumsum(self.variances)))
-
-
-def _reach(skeleton: Skeleton) -> Array:
-    """Return how far from each joint (J,) what hangs on it goes, along bones."""
-    reach = np.zeros(skeleton.n_joints)
-    for joint, offset in skeleton.end_sites:
-        reach[joint] = max(reach[joint], float(np.linalg.norm(offset)))
-    for joint in range(skeleton.n_joints - 1, 0, -1):
-        parent = skeleton.parents[joint]
-        below = reach[joint] + float(np.linalg.norm(skeleton.offsets[joint]))
-        reach[parent] = max(reach[parent], below)
-    return reach

@@ -124,6 +124,17 @@ class Skeleton:
         return lengths
 
     @cached_property
+    def reaches(self) -> NDArray[np.float64]:
+        """How far from each joint (J,) what hangs on it goes, along bones."""
+        reach = np.zeros(self.n_joints)
+        for joint, offset in self.end_sites:
+            reach[joint] = max(reach[joint], float(np.linalg.norm(offset)))
+        for joint in range(self.n_joints - 1, 0, -1):
+            below = reach[joint] + float(np.linalg.norm(self.offsets[joint]))
+            reach[self.parents[joint]] = max(reach[self.parents[joint]], below)
+        return reach
+
+    @cached_property
     def size(self) -> float:
         """The longest path along bones between two ends: a size no pose changes.
 

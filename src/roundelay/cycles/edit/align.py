@@ -13,6 +13,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import SIX_DIGITS
 from roundelay.base.threads import one_thread
 from roundelay.cycles.contacts import standing_feet
 from roundelay.cycles.cycle import Cycle
@@ -20,11 +21,12 @@ from roundelay.cycles.thresholds import ALIGNMENT
 from roundelay.geometry import rotations as rot
 from roundelay.geometry import symmetry
 from roundelay.geometry.kinematics import heading
+from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.features import point_cloud
 from roundelay.phase.harmonic import HarmonicCurve
 from roundelay.phase.tempo import lowest_between
 
-__all__ = ["Alignment", "Criterion", "align", "mapped", "mirrored", "shifted"]
+__all__ = ["Alignment", "Criterion", "align", "hung_as", "mapped", "mirrored", "shifted"]
 
 Array = NDArray[np.float64]
 Criterion = Literal["poses", "contacts"]
@@ -101,6 +103,49 @@ def mirrored(cycle: Cycle) -> Cycle:
     )
 
 
+def hung_as(cycle: Cycle, onto: Skeleton) -> Cycle:
+    """Return a cycle whose hips hang on the root as in another skeleton; no joint moves.
+
+    Some files give the place of the hips in their first frame as the bone's offset from the root,
+    which says nothing of the body.
+
+    Parameters
+    ----------
+    cycle : Cycle
+    onto : Skeleton
+        With the same joints.
+    """
+    chain = list(cycle.skeleton.trunk[1:])
+    new, old = onto.offsets[chain].sum(axis=0), cycle.skeleton.offsets[chain].sum(axis=0)
+    if np.allclose(new, old, rtol=0.0, atol=SIX_DIGITS * cycle.skeleton.size):
+        return cycle
+    count = ALIGNMENT.phases
+    grid, up = np.arange(count) / count, np.eye(3)[cycle.up]
+    away = HarmonicCurve.through(rot.rotate(cycle.rotations(grid)[:, 0], old - new))
+    moves = away(grid, derivative=1) + cycle.turning * np.cross(up, away(grid))
+    velocity = cycle.velocity(grid) + moves * (1.0 - up)
+    height = cycle.height(grid) + away(grid)[:, [cycle.up]]
+
+    def hung(rows: Array) -> Array:
+        changed = rows.reshape(-1, 3).copy()
+        changed[chain] = onto.offsets[chain]
+        return changed
+
+    moved, above = cycle.translations, cycle.above
+    if above is not None:
+        # The root's path begins at the origin, wherever the root is on the body.
+        shifts = np.where(above.travels[:, None], away.constant, away([0.0])) * (1.0 - up)
+        above = replace(above, places=above.places - shifts)
+    return replace(
+        cycle,
+        skeleton=replace(cycle.skeleton, offsets=hung(cycle.skeleton.offsets)),
+        velocity=HarmonicCurve.through(velocity),
+        height=HarmonicCurve.through(height),
+        translations=moved and replace(moved, constant=hung(moved.constant).reshape(-1)),
+        above=above,
+    )
+
+
 def mapped(curve: HarmonicCurve, change: Callable[[Array], Array]) -> HarmonicCurve:
     """Apply a linear map of values (n, d) to a curve by its coefficients."""
     return replace(
@@ -145,6 +190,7 @@ def align(
         raise ValueError(
             f"expected one axis that points up, found {'XYZ'[first.up]} and {'XYZ'[second.up]}"
         )
+    second = hung_as(second, first.skeleton)
     tried = [(second, False)] + ([(mirrored(second), True)] if mirror else [])
     found = [_in_phase(first, candidate, by, swapped) for candidate, swapped in tried]
     return min(found, key=lambda alignment: alignment.distance)

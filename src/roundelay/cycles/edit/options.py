@@ -8,7 +8,7 @@ from typing import ClassVar
 from roundelay.base.options import Checked, option
 from roundelay.cycles.edit.align import Criterion
 
-__all__ = ["AlignOptions", "BlendOptions", "TransitionOptions", "VaryOptions"]
+__all__ = ["AlignOptions", "AmountOptions", "BlendOptions", "TransitionOptions", "VaryOptions"]
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,24 @@ class TransitionOptions(AlignOptions):
 
 
 @dataclass(frozen=True)
-class VaryOptions(Checked):
+class AmountOptions(Checked):
+    """How much of a difference is laid on a cycle: of a style, or of repetitions.
+
+    Parameters
+    ----------
+    amount : float
+        1 as in the captures, 0 not at all.
+    """
+
+    title: ClassVar[str] = "How much of a difference is laid on a cycle"
+
+    amount: float = option(
+        1.0, "How much of a style or of variation: 1 as in the captures, 0 none.", least=0, most=3
+    )
+
+
+@dataclass(frozen=True)
+class VaryOptions(AmountOptions):
     """Choices of repetitions that are drawn anew.
 
     Parameters
@@ -84,8 +101,6 @@ class VaryOptions(Checked):
         How many different ones follow each other before the first comes again.
     seed : int
         Another seed draws others.
-    amount : float
-        1 varies as much as the capture, 0 not at all.
     """
 
     title: ClassVar[str] = "How repetitions vary"
@@ -94,6 +109,3 @@ class VaryOptions(Checked):
         4, "How many follow each other before the first comes again.", least=1, most=1000
     )
     seed: int = option(0, "Another seed draws others.", least=0)
-    amount: float = option(
-        1.0, "How much they vary: 1 as in the capture, 0 not at all.", least=0, most=10
-    )

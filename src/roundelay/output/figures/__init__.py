@@ -1,11 +1,12 @@
 """Pictures of results, with Matplotlib, which is imported only when one is drawn.
 
 Each is made from a result: a `Barcode`, an `Evidence`, a `Cycle`, a `Segmentation`, a `Motion`,
-`Strides`. Those that take ``axes`` draw there, or on axes of their own without, and return them;
-the others return a figure. `save` writes figures, also ``axes.figure``, as PNG, SVG or PDF by the
-suffix.
+`Strides`, a `Comparison`. Those that take ``axes`` draw there, or on axes of their own without, and
+return them; the others return a figure. `save` writes figures, also ``axes.figure``, as PNG, SVG or
+PDF by the suffix.
 """
 
+from roundelay.output.figures.comparison import comparison, curves, difference
 from roundelay.output.figures.excitation import excitations
 from roundelay.output.figures.gait import stances, steps, stride_line
 from roundelay.output.figures.inspection import inspection, persistence_diagram
@@ -22,8 +23,11 @@ __all__ = [
     "barcode",
     "behaviours",
     "circle_density",
+    "comparison",
     "coordinate",
+    "curves",
     "density",
+    "difference",
     "excitations",
     "inspection",
     "method_curve",

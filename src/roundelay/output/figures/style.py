@@ -64,9 +64,9 @@ def phase_look() -> dict[str, Any]:
     return {"cmap": colours, "vmin": 0.0, "vmax": 1.0}
 
 
-def save(figure: Figure, path: Path, *, dpi: int = 90) -> None:
+def save(figure: Figure, path: str | Path, *, dpi: int = 90) -> None:
     """Write a figure in the format of the path's suffix, whole or not at all."""
-    with written_beside(path) as part, warnings.catch_warnings():
+    with written_beside(Path(path)) as part, warnings.catch_warnings():
         # Letters that no font has are drawn as boxes; nobody can do anything about it.
         warnings.filterwarnings("ignore", r"Glyph .* missing from", UserWarning)
         figure.savefig(part, dpi=dpi)

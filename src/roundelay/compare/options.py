@@ -20,6 +20,11 @@ class CompareOptions(Checked):
         How often nothing is told to differ where nothing does.
     permutations : int
         Of the repetitions, drawn where not all can be tried.
+
+    Examples
+    --------
+    >>> rl.CompareOptions(level=0.99).permutations
+    5000
     """
 
     title: ClassVar[str] = "Comparisons along the phase"

@@ -84,6 +84,7 @@ GROUPS = _Groups()
 class _Waveforms(Thresholds):
     """Turns of joints that mean the same in two skeletons."""
 
+    chunk: int = constant(256, unit="permutations", origin="at a time; for memory")
     bone: float = constant(
         0.02, unit="body sizes", origin="a shorter bone's direction tells nothing; " + BY_EYE
     )

@@ -39,8 +39,6 @@ __all__ = ["Comparison", "compare_curves", "compare_repetitions", "compare_sides
 
 Array = NDArray[np.float64]
 _Rng = int | np.random.Generator
-# Permutations at a time, for memory.
-_CHUNK = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +71,12 @@ class Comparison:
     movement : bool
         Whether curves are movements about each one's own mean pose: where the axes of joints
         differ, postures cannot be compared.
+
+    Examples
+    --------
+    >>> found = rl.compare_curves([[0.0, 1.0], [0.0, 1.1], [0.1, 1.0]], [[0.0, 2.0], [0.1, 2.1]])
+    >>> found.difference.round(2)
+    array([[-0.02, -1.02]])
     """
 
     names: tuple[str, ...]
@@ -196,6 +200,14 @@ def compare_curves(
         If a group has fewer than two.
     ValueError
         If the shapes do not go together, or a value is not finite.
+
+    Examples
+    --------
+    >>> draw = np.random.default_rng(0)
+    >>> before, after = draw.normal(size=(8, 20)), draw.normal(size=(8, 20))
+    >>> after[:, 10:] += 5.0
+    >>> rl.compare_curves(before, after).differing("curve")
+    [(0.5, 1.0)]
     """
     options, names = chosen(CompareOptions, options), tuple(names)
     one, other = (_curves(values, len(names)) for values in (first, second))
@@ -262,6 +274,14 @@ def compare_repetitions(
         If the skeletons differ, are of points, or have no such joint.
     TooShort
         If one has fewer than two repetitions.
+
+    Examples
+    --------
+    >>> takes = [rl.read(f"{name}.bvh") for name in ("walk", "run")]
+    >>> groups = [rl.repetitions(rl.find_cycles(take)[0], take) for take in takes]
+    >>> found = rl.compare_repetitions(*groups, joints=["LeftLeg"], labels=("walk", "run"))
+    >>> bool(found.p[0] < 0.01)
+    True
     """
     skeleton = expected(Repetitions, first).cycle.skeleton
     skeleton.require_same(expected(Repetitions, second).cycle.skeleton)
@@ -305,6 +325,13 @@ def compare_sides(
         If left and right are not told by the names of joints.
     TooShort
         If there are fewer than two repetitions.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> found = rl.compare_sides(rl.find_cycles(walk)[0], walk)
+    >>> found.labels, found.names[:2]
+    (('left', 'right'), ('LeftShoulder', 'LeftArm'))
     """
     left, right = sides(expected(Cycle, cycle).skeleton)
     if not len(left):
@@ -453,7 +480,7 @@ def _chunks(groups: Iterator[NDArray[np.intp]]) -> Iterator[NDArray[np.intp]]:
     held: list[NDArray[np.intp]] = []
     for group in groups:
         held.append(group)
-        if len(held) == _CHUNK:
+        if len(held) == WAVEFORMS.chunk:
             yield np.array(held)
             held = []
     if held:

@@ -65,6 +65,13 @@ class Modes:
         Of the whole variance, of all modes, the largest first.
     scores : (R, R - 1) ndarray
         Of each repetition, in standard deviations.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> ways = rl.modes(rl.repetitions(rl.find_cycles(walk)[0], walk))
+    >>> ways.scores.shape  # five repetitions, each by four modes
+    (5, 4)
     """
 
     source: Repetitions = field(repr=False)
@@ -117,6 +124,13 @@ def modes(source: Repetitions) -> Modes:
     ------
     TooShort
         If there are fewer than four: none can be left out.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> ways = rl.modes(rl.repetitions(rl.find_cycles(walk)[0], walk))
+    >>> len(ways.loop(0, 2.0))
+    66
     """
     source = expected(Repetitions, source)
     if len(source) < VARIATION.fewest:

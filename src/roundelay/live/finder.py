@@ -38,6 +38,11 @@ class Discovered:
         How many were seen, at least three.
     alike : float
         Share of the spread of poses that repeats, from 0 to 1.
+
+    Examples
+    --------
+    >>> rl.Discovered(period=1.1, repetitions=3.0, alike=0.95).period
+    1.1
     """
 
     period: float
@@ -61,6 +66,15 @@ class PeriodFinder:
         If it is one of points, which have no rotations.
     ValueError
         If the rate is not positive.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> finder = rl.PeriodFinder(walk.skeleton, walk.fps)
+    >>> for rotations in walk.rotations:
+    ...     found = finder.frame(rotations)
+    >>> round(found.period, 2), round(found.repetitions, 1)
+    (1.1, 6.4)
     """
 
     def __init__(self, skeleton: Skeleton, fps: float) -> None:

@@ -50,6 +50,13 @@ class Tracked(NamedTuple):
         The next that a foot does, as by `roundelay.cycles.events`; empty where none steps.
     seconds : float
         Until then, at the present speed; NaN without one.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> told = rl.PhaseTracker(rl.find_cycles(walk)[0]).follow(walk)
+    >>> isinstance(told[-1], rl.Tracked), told[-1].event
+    (True, 'left contact')
     """
 
     phase: float
@@ -76,6 +83,15 @@ class PhaseTracker:
         If the cycle is one of points, which have no rotations.
     ValueError
         If the rate is not positive, or the cycle does not move.
+
+    Examples
+    --------
+    >>> walk = rl.read("walk.bvh")
+    >>> tracker = rl.PhaseTracker(rl.find_cycles(walk)[0])
+    >>> for rotations in walk.rotations:
+    ...     told = tracker.frame(rotations)
+    >>> told.found, round(told.speed, 2)
+    (True, 0.91)
     """
 
     def __init__(self, cycle: Cycle, fps: float | None = None) -> None:

@@ -39,6 +39,12 @@ class Style:
         What shall agree at equal phases; see `roundelay.cycles.edit.align.align`.
     mirror : bool
         Let left and right be exchanged in both where that fits better.
+
+    Examples
+    --------
+    >>> walk, run = (rl.find_cycles(rl.read(f"{name}.bvh"))[0] for name in ("walk", "run"))
+    >>> rl.Style(run, walk)
+    Style('run' less 'walk')
     """
 
     styled: Cycle
@@ -118,6 +124,13 @@ def style(styled: Cycle, neutral: Cycle, *, by: Criterion = "poses", mirror: boo
     ------
     SkeletonMismatch
         Naming the joints that only one of them has.
+
+    Examples
+    --------
+    >>> walk, run = (rl.find_cycles(rl.read(f"{name}.bvh"))[0] for name in ("walk", "run"))
+    >>> half = rl.style(run, walk).on(walk, 0.5)
+    >>> bool(run.period < half.period < walk.period)
+    True
     """
     one, other = of_common_points([expected(Cycle, styled), expected(Cycle, neutral)])
     one.skeleton.require_same(other.skeleton)

@@ -21,6 +21,8 @@ from roundelay.compare.distances import cycle_distance as cycle_distance
 from roundelay.compare.distances import distance_matrix as distance_matrix
 from roundelay.compare.distances import wasserstein_distance as wasserstein_distance
 from roundelay.compare.options import CompareOptions as CompareOptions
+from roundelay.compare.relative import RelativePhase as RelativePhase
+from roundelay.compare.relative import relative_phase as relative_phase
 from roundelay.compare.waveforms import Comparison as Comparison
 from roundelay.compare.waveforms import compare_curves as compare_curves
 from roundelay.compare.waveforms import compare_repetitions as compare_repetitions

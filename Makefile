@@ -15,7 +15,7 @@ blender_python = $(or $(BLENDER_PYTHON_$(firstword $(subst ., ,$*))),\
 	$(BLENDER_PYTHON_$(basename $*)),$(BLENDER_PYTHON))
 CAPTURES := 01_01 01_03 Boxing_Toes
 
-.PHONY: demo demo-begins test page-test players-test docs figures check setup clean blender-extension blender-test
+.PHONY: demo demo-begins test page-test studio-test players-test docs figures check setup clean blender-extension blender-test
 .PHONY: fuzz lowest-test mutation-test sanitize
 .PHONY: wheels wheels-test wheel-test sdist sdist-test pipx-test container release release-check
 
@@ -43,6 +43,10 @@ test: $(VENV)/.tested
 page-test: $(VENV)/.browser
 	@command -v chromium >/dev/null || { echo "page-test needs Chromium: apt-get install chromium"; exit 1; }
 	$(BIN)/python -m pytest tests/output/page
+
+studio-test: $(VENV)/.browser
+	@command -v chromium >/dev/null || { echo "studio-test needs Chromium: apt-get install chromium"; exit 1; }
+	$(BIN)/python -m pytest tests/studio
 
 players-test: $(VENV)/.browser build/players/node_modules/three
 	@command -v chromium >/dev/null || { echo "players-test needs Chromium: apt-get install chromium"; exit 1; }
@@ -192,7 +196,7 @@ $(VENV)/.tested: $(VENV)/.installed
 	@touch $@
 
 $(VENV)/.browser: $(VENV)/.tested
-	$(BIN)/python $(PIP) --editable '.[browser]'
+	$(BIN)/python $(PIP) --editable '.[browser,studio]'
 	@touch $@
 
 $(VENV)/.released: $(VENV)/.tested

@@ -6,8 +6,11 @@ import warnings
 from pathlib import Path
 
 import pytest
+from tests.chromium import chromium
 
 import roundelay as rl
+
+__all__ = ["chromium"]
 
 CAPTURES = Path(__file__).parent.parent / "data" / "captures"
 

@@ -70,6 +70,9 @@ from roundelay.pipeline import understand as understand
 from roundelay.segmentation import Segmentation as Segmentation
 from roundelay.solving import Solution as Solution
 from roundelay.solving import solve_skeleton as solve_skeleton
+from roundelay.studio.work import Part as Part
+from roundelay.studio.work import Work as Work
+from roundelay.studio.work import read_work as read_work
 from roundelay.timeline.behaviours import Behaviour as Behaviour
 from roundelay.timeline.behaviours import Timeline as Timeline
 from roundelay.timeline.evidence import Evidence as Evidence

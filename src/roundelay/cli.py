@@ -27,6 +27,7 @@ from roundelay.commands.reproduce import reproduce
 from roundelay.commands.search import search
 from roundelay.commands.segment import segment
 from roundelay.commands.strides import strides
+from roundelay.commands.studio import studio
 from roundelay.commands.timeline import timeline
 from roundelay.commands.vary import vary
 from roundelay.commands.view import view
@@ -86,6 +87,7 @@ for command in (
     excitations,
     reproduce,
     view,
+    studio,
     blend,
     transition,
     vary,

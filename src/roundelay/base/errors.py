@@ -40,6 +40,8 @@ __all__ = [
     "TooLarge",
     "TooShort",
     "Unsolvable",
+    "in_one_line",
+    "input_errors",
 ]
 
 
@@ -187,3 +189,18 @@ class Cancelled(RoundelayError):
     ...     print("stopped")
     stopped
     """
+
+
+def input_errors() -> tuple[type[Exception], ...]:
+    """Return the errors that are the input's, or the machine's, and no fault of the program."""
+    return RoundelayError, ValueError, OSError, MemoryError
+
+
+def in_one_line(error: Exception, capture: str | PathLike[str] | None = None) -> str:
+    """Tell an error of the input in one line; one that names no file is that of the capture."""
+    if isinstance(error, FormatError | ValueError):
+        return str(error)
+    if isinstance(error, OSError):
+        return f"{error.filename or 'file'}: {error.strerror or error}"
+    told = "out of memory" if isinstance(error, MemoryError) else str(error)
+    return told if capture is None else f"{capture}: {told}"

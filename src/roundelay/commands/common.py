@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from roundelay.base.errors import in_one_line, input_errors
 from roundelay.base.files import fitting
 from roundelay.base.texts import printable, shown
 
@@ -136,25 +137,6 @@ def one_line_errors(capture: Path | None = None) -> Iterator[None]:
         except input_errors() as error:
             code = NO_PERIOD if isinstance(error, NoPeriod) else BAD_INPUT
             fail(in_one_line(error, capture), code)
-
-
-def input_errors() -> tuple[type[Exception], ...]:
-    """Return the errors that are the input's, or the machine's, and no fault of the program."""
-    from roundelay.base.errors import RoundelayError
-
-    return RoundelayError, ValueError, OSError, MemoryError
-
-
-def in_one_line(error: Exception, capture: Path | None = None) -> str:
-    """Tell an error of the input in one line; one that names no file is that of the capture."""
-    from roundelay.base.errors import FormatError
-
-    if isinstance(error, FormatError | ValueError):
-        return str(error)
-    if isinstance(error, OSError):
-        return f"{error.filename or 'file'}: {error.strerror or error}"
-    told = "out of memory" if isinstance(error, MemoryError) else str(error)
-    return told if capture is None else f"{capture}: {told}"
 
 
 def exit_code(work: Callable[[], None]) -> int:

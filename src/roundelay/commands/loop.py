@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,7 +17,6 @@ from roundelay.base.texts import shown
 from roundelay.commands.common import (
     BAD_INPUT,
     NO_PERIOD,
-    Captures,
     Json,
     Output,
     Picture,
@@ -45,10 +44,28 @@ if TYPE_CHECKING:
     from roundelay.base.progress import Progress
     from roundelay.loops.recipe import Loop
     from roundelay.motion.motion import Motion
+    from roundelay.studio.work import Work
 
 PerBehaviour = Annotated[
     bool,
     typer.Option("--per-behaviour", help="Cut into behaviours first; loops of each by itself."),
+]
+FromWork = Annotated[
+    Path | None,
+    typer.Option(
+        "--work",
+        help="Work of the studio, NAME.work.json: it names its capture, which lies beside it, and "
+        "all options.",
+        show_default=False,
+    ),
+]
+Taken = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        metavar="CAPTURE",
+        help="{readers} files, as they are or packed (.gz); - for standard input, see --as.",
+        show_default=False,
+    ),
 ]
 Gif = Annotated[bool, typer.Option("--gif", help="Write each loop as a moving picture, too.")]
 
@@ -66,15 +83,17 @@ class _Asked:
     picture: bool
     gif: bool
     json: bool
+    work: Work | None = None
 
 
 @takes(search=Options, written=LoopOptions, reading=ReadOptions)
 def loop(
-    captures: Captures,
+    captures: Taken = None,
     output: Output = ".",
     skeleton: Skeleton = None,
     per_behaviour: PerBehaviour = False,
     timeline: Timetable = None,
+    work: FromWork = None,
     picture: Picture = True,
     gif: Gif = False,
     json: Json = False,
@@ -89,15 +108,26 @@ def loop(
     Writes NAME_loop.bvh (NAME_loop2.bvh, ... for further motions), NAME_loop.json and
     NAME_loop.png, or names as -o says; what an earlier run left there under such names, as its
     record lists it, and this one did not make is removed. Everything is automatic; the options are
-    there to overrule it: with --timeline loops are made of the behaviours that a table names.
+    there to overrule it: with --timeline loops are made of the behaviours that a table names, with
+    --work of those that a person chose in the studio.
 
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found. Of several
     captures the worst counts, 2 being worse than 3.
     """
+    captures = captures or []
     with one_line_errors():
+        done = None
+        if work is not None:
+            sources = [*captures, timeline, skeleton, *(f"--{flag}" for flag in sorted(given))]
+            done = _read_work(work, [str(one) for one in sources if one is not None])
+            captures, written = [done.path], done.render
+        elif not captures:
+            raise ValueError("expected a CAPTURE, or --work, found neither; see loop --help")
         places = _places(captures, output)
         written = in_format_of(places[0], written, given, captures[0], reading)
-    asked = _Asked(search, written, reading, skeleton, per_behaviour, timeline, picture, gif, json)
+    asked = _Asked(
+        search, written, reading, skeleton, per_behaviour, timeline, picture, gif, json, done
+    )
     records: list[dict[str, Any]] = []
     codes = [
         exit_code(partial(_looped, capture, place, asked, records))
@@ -106,6 +136,16 @@ def loop(
     if json and records:
         print_json(records[0] if len(captures) == 1 else records)
     raise typer.Exit(max(codes, key=(0, NO_PERIOD, BAD_INPUT).index))
+
+
+def _read_work(path: Path, others: Sequence[str]) -> Work:
+    """Read the work of the studio, which says everything itself."""
+    from roundelay.studio.work import read_work
+
+    if others:
+        raise ValueError(f"expected --work alone, for it names its capture and its options, found "
+                         f"{others[0]}, too")  # fmt: skip
+    return read_work(path)
 
 
 def _places(captures: Sequence[Path], output: str) -> list[Place]:
@@ -136,8 +176,9 @@ def _looped(capture: Path, place: Place, asked: _Asked, records: list[dict[str, 
 
     with one_line_errors(capture):
         with progress_bar(quiet=asked.json) as progress:
-            motion = read_capture(capture, asked.skeleton, asked.reading)
-            record = capture_record(motion, capture, asked.search)
+            motion = _read(capture, asked)
+            options = asked.search if asked.work is None else asked.work.to_dict()
+            record = capture_record(motion, capture, options)
             try:
                 loops = _loops(motion, asked, progress)
             except NoPeriod as refusal:
@@ -157,11 +198,21 @@ def _looped(capture: Path, place: Place, asked: _Asked, records: list[dict[str, 
             _print_summary(record, place.folder)
 
 
+def _read(capture: Path, asked: _Asked) -> Motion:
+    if asked.work is not None:
+        return asked.work.motion()
+    return read_capture(capture, asked.skeleton, asked.reading)
+
+
 def _loops(motion: Motion, asked: _Asked, progress: Progress | None) -> list[Loop]:
-    """Make the loops of the whole capture, or of each of its behaviours."""
+    """Make the loops of the whole capture, of each of its behaviours, or those of a work."""
     from roundelay.loops.recipe import made_loop, numbered
     from roundelay.pipeline import cycles_in_segments, make_loops, segment
 
+    if asked.work is not None:
+        from roundelay.studio.making import loops_of
+
+        return loops_of(replace(asked.work, render=asked.written), motion, progress=progress)
     table = asked.timeline
     if table is None and not asked.per_behaviour:
         return make_loops(motion, asked.search, asked.written, progress=progress)

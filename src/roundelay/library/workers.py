@@ -17,7 +17,7 @@ from typing import Any, Generic, NoReturn, TypeVar
 
 from roundelay.base.threads import one_thread
 
-__all__ = ["Limits", "spread"]
+__all__ = ["Limits", "end_with_parent", "limit_memory", "one_thread_each", "spread"]
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -112,7 +112,7 @@ class _Worker(Generic[Task, Result]):
         self.process = context.Process(
             target=_serve, args=(work, theirs, limits.memory), daemon=True
         )
-        with _one_thread_each(), _uninterrupted():
+        with one_thread_each(), _uninterrupted():
             self.process.start()
         theirs.close()
         self.alive = self._sent(task)
@@ -174,8 +174,8 @@ def _serve(work: Callable[[Task], Result], pipe: Connection, memory: int | None)
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _leave)
-    threading.Thread(target=_follow, daemon=True).start()
-    _limit(memory)
+    threading.Thread(target=end_with_parent, daemon=True).start()
+    limit_memory(memory)
     while True:
         try:
             task = pipe.recv()
@@ -188,7 +188,7 @@ def _serve(work: Callable[[Task], Result], pipe: Connection, memory: int | None)
         pipe.send(result)
 
 
-def _follow() -> None:
+def end_with_parent() -> None:
     """End this process when the first one is gone, however it went."""
     parent = multiprocessing.parent_process()
     if parent is not None:
@@ -196,7 +196,7 @@ def _follow() -> None:
         os._exit(1)
 
 
-def _limit(memory: int | None) -> None:
+def limit_memory(memory: int | None) -> None:
     """Let this process have no more memory than that, where the system can see to it."""
     if memory is None or os.name == "nt":
         return
@@ -226,7 +226,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 @contextmanager
-def _one_thread_each() -> Iterator[None]:
+def one_thread_each() -> Iterator[None]:
     """Let processes begun here load the linear algebra without a pool of threads.
 
     They never use one, and a pool a process is many threads where there are many processors.

@@ -45,7 +45,7 @@ from roundelay.timeline.thresholds import (
     SEARCH,
 )
 
-__all__ = ["candidates_of", "timeline_of"]
+__all__ = ["candidates_of", "cyclic", "timeline_of"]
 
 
 def timeline_of(
@@ -54,7 +54,7 @@ def timeline_of(
     """Tell what repeats in a take; see `roundelay.understand`."""
     options = chosen(Options, options)
     body, pieces = candidates_of(take, options, progress)
-    found = [replace(_cyclic(body, piece), phrase=_phrase(body, piece)) for piece in pieces]
+    found = [replace(cyclic(body, piece), phrase=_phrase(body, piece)) for piece in pieces]
     found.sort(key=lambda each: each.certainty, reverse=True)
     closing = _closing(take, body, options)
     likely = [each for each in found if _likely(each, closing, take.fps)]
@@ -124,7 +124,8 @@ def _span(take: Motion | Poses, options: Options) -> Span:
     return start, stop
 
 
-def _cyclic(body: Body, one: Predicted) -> Behaviour:
+def cyclic(body: Body, one: Predicted) -> Behaviour:
+    """Make the behaviour of what was predicted, with the probability that it repeats."""
     probability, tests = judged_by(body, one)
     spans = _spans(body, one)
     when, lasted = local_periods(one)
@@ -151,7 +152,7 @@ def _phrase(body: Body, piece: Predicted) -> Behaviour | None:
     longer = phrase_of(body, piece)
     if longer is None:
         return None
-    phrase = _cyclic(body, longer)
+    phrase = cyclic(body, longer)
     return phrase if (phrase.probability or 0.0) >= JUDGEMENT.likely else None
 
 

@@ -22,7 +22,7 @@ from roundelay.output.page.table import quality_rows
 from roundelay.timeline.evidence import Evidence, class_coordinate, turns_of
 from roundelay.topology.rips import Barcode
 
-__all__ = ["loop_data", "refusal_data"]
+__all__ = ["loop_data", "loop_track", "refusal_data"]
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def loop_data(
         "limbs": list(evidence.partial),
         "travel": float(np.linalg.norm(cycle.travel)) / space.size,
         "turning": float(np.degrees(cycle.turning)),
-        "loop": _loop(motion, cycle, phase, space, packer),
+        "loop": loop_track(motion, cycle, phase, space, packer),
         "quality": quality_rows(loop.quality),
         "file": file,
         "bvh": _bvh(loop, packer),
@@ -145,14 +145,36 @@ def _plane(
     return record
 
 
-def _loop(
-    motion: Motion, cycle: Cycle, phase: Array, space: Space, packer: Packer
+def loop_track(
+    motion: Motion,
+    cycle: Cycle,
+    phase: Array,
+    space: Space,
+    packer: Packer,
+    *,
+    foot_lock: bool = False,
 ) -> dict[str, Any]:
-    """Sample one period, its end included, and the phase of the capture's frames in it."""
+    """Sample one period, its end included, and the phase of the capture's frames in it.
+
+    Parameters
+    ----------
+    motion : Motion
+        The capture.
+    cycle : Cycle
+    phase : (F,) ndarray
+        Of the capture's frames, in turns.
+    space : Space
+    packer : Packer
+    foot_lock : bool
+        Hold standing feet, as in a file.
+    """
     count = int(np.clip(round(cycle.period * _LOOP_FPS), 8, _LOOP_FRAMES))
-    period = cycle.at(np.arange(count + 1) / count, frame_time=1.0 / _LOOP_FPS)
+    if foot_lock:
+        period = cycle.sample(count / cycle.period, repeat_first=True)
+    else:
+        period = cycle.at(np.arange(count + 1) / count, frame_time=1.0 / _LOOP_FPS)
     return {
-        "points": packer.add(space.points(period).reshape(count + 1, -1), common_step=True),
+        "points": packer.add(space.points(period).reshape(len(period), -1), common_step=True),
         "turning": cycle.turning,
         "feet": loop_feet(cycle),
         "phase": packer.add(np.nan_to_num(phase[:: sampling_step(motion)])),

@@ -1,6 +1,7 @@
 // Time: moves on while the page plays, and has drawn what is stale, once a frame.
 
-export function runClock(store, seconds, drawStage, drawCharts) {
+// Bounds: a function to the first and last second of what is played again and again.
+export function runClock(store, bounds, drawStage, drawCharts) {
   const { state } = store;
   let stageDue = true;
   let chartsDue = true;
@@ -10,7 +11,7 @@ export function runClock(store, seconds, drawStage, drawCharts) {
   function tick(now) {
     const passed = Math.min((now - before) / 1000, 0.25);
     before = now;
-    if (state.playing) store.change({ time: next(state, passed, seconds) });
+    if (state.playing) store.change({ time: next(state, passed, bounds()) });
     if (stageDue) drawStage();
     stageDue = false;
     // While the skeleton plays, the charts follow at half its rate.
@@ -28,7 +29,7 @@ export function runClock(store, seconds, drawStage, drawCharts) {
   };
 }
 
-function next({ time, speed }, passed, seconds) {
+function next({ time, speed }, passed, [start, stop]) {
   const later = time + passed * speed;
-  return later > seconds ? 0 : later;
+  return later > stop || later < start ? start : later;
 }

@@ -22,11 +22,16 @@ export function listenToKeys(actions) {
     t: actions.theme,
     "?": actions.help,
   };
+  const views = Object.entries(VIEWS).map(([key, view]) => [key, () => actions.view(view)]);
+  listenTo({ ...plain, ...Object.fromEntries(views) });
+}
+
+// Keys: actions by key, letters in lower case.
+export function listenTo(keys) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) return;
-    if (wantedBy(event.target, event.key)) return;
-    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    const action = key in VIEWS ? () => actions.view(VIEWS[key]) : plain[key];
+    if (event.defaultPrevented || wantedBy(event.target, event.key)) return;
+    const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!action) return;
     event.preventDefault();
     action(event);
@@ -35,6 +40,7 @@ export function listenToKeys(actions) {
 
 function wantedBy(target, key) {
   if (target.matches("select")) return true;
+  if (target.matches("input[type=text], input[type=number]")) return true;
   if (target.matches("input")) return key === " " || key.startsWith("Arrow");
   return target.matches("button, a") && key === " ";
 }

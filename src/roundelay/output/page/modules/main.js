@@ -47,7 +47,7 @@ function show(page, store) {
   const barcode = createBarcode(byId("bars"), byId("bars-note"), page, store);
   const redraw = runClock(
     store,
-    page.capture.seconds,
+    () => [0, page.capture.seconds],
     () => fillCaption(stage.draw(state), state),
     () => charts.forEach((chart) => chart.draw()),
   );

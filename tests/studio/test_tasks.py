@@ -268,8 +268,10 @@ def test_a_limb_a_period_and_a_start_are_chosen(visit, two_file, studio):
         page,
         studio,
         two_file,
-        lambda work: (work.parts[0].limbs, work.parts[0].start, work.render.in_place)
-        == ("legs", "right", True),
+        lambda work: (
+            (work.parts[0].limbs, work.parts[0].start, work.render.in_place)
+            == ("legs", "right", True)
+        ),
     )
     loops_are_judged(page, 2)
     assert page.is_checked("#in_place")

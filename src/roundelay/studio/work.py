@@ -59,6 +59,11 @@ class Part(Checked):
     ------
     ValueError
         If a value is out of range.
+
+    Examples
+    --------
+    >>> rl.Part("walk", ((0, 120), (200, 320)), limbs="legs").untouched
+    False
     """
 
     name: str = option("", "What it is called.")
@@ -105,6 +110,12 @@ class Work:
         How the loops are written.
     folder : Path
         Where the work's file lies.
+
+    Examples
+    --------
+    >>> work = rl.Work("walk.bvh", "", 400, (rl.Part("walk", ((0, 400),)),))
+    >>> work.to_dict()["parts"]
+    [{'name': 'walk', 'spans': ((0, 400),)}]
     """
 
     capture: str
@@ -228,6 +239,12 @@ def read_work(path: str | PathLike[str]) -> Work:
         If it is no work.
     OSError
         If it cannot be read.
+
+    Examples
+    --------
+    >>> rl.Work("walk.bvh", "", 400, (rl.Part("walk", ((0, 400),)),)).write("walk.work.json")
+    >>> rl.read_work("walk.work.json").parts[0].name
+    'walk'
     """
     path = Path(path)
     try:

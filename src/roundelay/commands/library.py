@@ -56,6 +56,20 @@ Memory = Annotated[
         show_default=False,
     ),
 ]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="A Dask scheduler, tcp://..., whose workers do the clips.",
+        show_default=False,
+    ),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--cluster", help="Do the clips by so many Dask workers here.", min=1, show_default=False
+    ),
+]
 Again = Annotated[bool, typer.Option("--again", help="Do again what an earlier run did.")]
 
 
@@ -67,6 +81,8 @@ def library(
     clip_seconds: Seconds = 3600.0,
     clip_memory: Memory = None,
     again: Again = False,
+    scheduler: Scheduler = None,
+    cluster: Workers = None,
     json: Json = False,
     *,
     written: LoopOptions,
@@ -76,7 +92,8 @@ def library(
     Writes library.json (one record a clip), cycles.csv, the loops below loops/, and what search
     needs. A file that cannot be used costs one line and is told of in the record. Interrupted,
     the command keeps what is done; run again, it does only what is new or changed. With one job
-    all is done in one process, unless a limit is given.
+    all is done in one process, unless a limit is given. --scheduler and --cluster do the clips on
+    the workers of a Dask cluster, which see sources and library by the same paths.
 
     Exit code 0: loops were written; 2: bad input; 3: no periodic motion was found; 130:
     interrupted.
@@ -84,6 +101,8 @@ def library(
     from roundelay.library import build_library
 
     with one_line_errors():
+        if None not in (scheduler, cluster):
+            raise ValueError("expected --scheduler or --cluster, found both")
         started = time.monotonic()
         try:
             with _bar(quiet=json) as progress:
@@ -94,6 +113,7 @@ def library(
                     jobs=jobs,
                     limits=_limits(clip_seconds, clip_memory),
                     again=again,
+                    cluster=scheduler or cluster,
                     progress=progress,
                     refused=lambda line: echo(f"roundelay: {line}", err=True),
                 )

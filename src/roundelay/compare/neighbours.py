@@ -92,7 +92,9 @@ class Finder:
         graph.view(str(path))
         return cls(packed, graph)
 
-    def nearest(self, queries: Packed, count: int) -> tuple[Numbers, Rows]:
+    def nearest(
+        self, queries: Packed, count: int, within: float | None = None
+    ) -> tuple[Numbers, Rows]:
         """Return the nearest of all signatures to each of some.
 
         Parameters
@@ -100,6 +102,8 @@ class Finder:
         queries : Packed
             Of the same body.
         count : int
+        within : float, optional
+            What is surely farther is not compared, and told as infinitely far.
 
         Returns
         -------
@@ -109,22 +113,31 @@ class Finder:
         """
         count = min(count, len(self.packed))
         tried = min(len(self.packed), max(NEAR.candidates, NEAR.times * count))
-        rows = self._candidates(queries.vectors(), tried)
-        asked = np.repeat(np.arange(len(queries)), rows.shape[1])
-        apart = pair_distances(queries, self.packed, asked, rows.ravel()).reshape(rows.shape)
+        rows, squares = self._candidates(queries.vectors(), tried)
+        apart = np.full(rows.shape, np.inf, np.float32)
+        # Vectors are no farther apart than cycles, but for their rounding.
+        tested = np.isfinite(squares) if within is None else squares <= NEAR.slack * within**2
+        asked = np.nonzero(tested)[0]
+        apart[tested] = pair_distances(queries, self.packed, asked, rows[tested])
         # Equally near ones come in the order of their rows.
         order = np.lexsort((rows, apart), axis=1)[:, :count]
         return np.take_along_axis(apart, order, 1), np.take_along_axis(rows, order, 1)
 
-    def _candidates(self, vectors: Numbers, count: int) -> Rows:
-        if count == len(self.packed):
-            return np.tile(np.arange(count), (len(vectors), 1))
+    def _candidates(self, vectors: Numbers, count: int) -> tuple[Rows, Numbers]:
+        """Return rows (q, count) whose vectors are near, and the squares of how far."""
         if self.graph is not None:
             found = self.graph.search(vectors, count, threads=1)
-            return np.asarray(found.keys, np.intp).reshape(len(vectors), count)
+            shape = (len(vectors), count)
+            return np.reshape(found.keys, shape).astype(np.intp), np.reshape(found.distances, shape)
         blocks = range(0, len(vectors), _BLOCK)
-        return np.vstack([self._compared(vectors[k : k + _BLOCK], count) for k in blocks])
+        parts = [self._compared(vectors[k : k + _BLOCK], count) for k in blocks]
+        rows, squares = (np.vstack(part) for part in zip(*parts, strict=True))
+        return rows, squares
 
-    def _compared(self, vectors: Numbers, count: int) -> Rows:
-        apart = self._squares - 2.0 * vectors @ self.vectors.T
-        return np.asarray(np.argpartition(apart, count - 1, axis=1)[:, :count])
+    def _compared(self, vectors: Numbers, count: int) -> tuple[Rows, Numbers]:
+        own = np.einsum("nd,nd->n", vectors, vectors)
+        apart = own[:, None] + self._squares - 2.0 * vectors @ self.vectors.T
+        if count == len(self.packed):
+            return np.tile(np.arange(count), (len(vectors), 1)), apart
+        rows = np.argpartition(apart, count - 1, axis=1)[:, :count]
+        return rows, np.take_along_axis(apart, rows, 1)

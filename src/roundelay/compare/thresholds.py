@@ -36,6 +36,9 @@ class _Near(Thresholds):
 
     candidates: int = constant(96, unit="cycles", origin="compared exactly, at least")
     times: int = constant(4, unit="times", origin="as many candidates as are asked for, where more")
+    slack: float = constant(
+        1.02, unit="times", origin="squares of distances of vectors, which a graph keeps in 16 bits"
+    )
     many: int = constant(20_000, unit="cycles", origin="from which on a graph is made")
     links: int = constant(16, unit="links", origin="of each vector in the graph")
     added: int = constant(96, unit="vectors", origin="looked at when one is added")

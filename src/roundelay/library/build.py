@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime
@@ -20,7 +20,7 @@ from roundelay.base.version import __version__
 from roundelay.library.captures import LOOPS, find_captures
 from roundelay.library.catalogue import Library
 from roundelay.library.clips import Clip, late_clip, lost_clip, made_entry
-from roundelay.library.log import Log
+from roundelay.library.log import Entry, Log
 from roundelay.library.mending import claimed, is_done, is_intact, opened, tell_mended
 from roundelay.library.workers import Limits, spread
 from roundelay.library.writing import beside, write_library
@@ -30,6 +30,7 @@ __all__ = ["build_library"]
 
 Place = str | PathLike[str]
 Tell = Callable[[str], object]
+Spreading = Callable[[Iterable[Clip]], Generator[Entry]]
 
 
 @one_thread
@@ -41,6 +42,7 @@ def build_library(
     jobs: int | None = None,
     limits: Limits | None = None,
     again: bool = False,
+    cluster: str | int | None = None,
     progress: Progress | None = None,
     refused: Tell | None = None,
 ) -> Library:
@@ -66,6 +68,10 @@ def build_library(
         without limits is done in this process. By default an hour, and all memory.
     again : bool
         Do again what is done.
+    cluster : str or int, optional
+        The address of a Dask scheduler, ``tcp://...``, whose workers see the sources and the
+        library by the same paths; or how many workers to start here. Each clip is done in a child
+        of its worker.
     progress : callable, optional
         Called with the fraction done and how many clips that is; returning False cancels.
     refused : callable, optional
@@ -84,6 +90,8 @@ def build_library(
         If another run is at work on the library.
     FormatError
         If the library is of another version.
+    RoundelayError
+        If Dask is asked for and not installed.
     ValueError
         If a source is a file of another type, or `jobs` is not positive.
     Cancelled
@@ -120,7 +128,7 @@ def build_library(
         jobs = jobs or os.cpu_count() or 1
         try:
             with _run(log, todo, options, jobs):
-                _do(todo, log, jobs, limits, progress, tell)
+                _do(todo, log, _spreading(cluster, jobs, limits, len(todo)), progress, tell)
         finally:
             write_library(list(captures), log, unread, passed, folder)
         return Library.open(folder)
@@ -171,26 +179,32 @@ def _current(
     return library if same and whole else None
 
 
+def _spreading(
+    cluster: str | int | None, jobs: int, limits: Limits | None, count: int
+) -> Spreading:
+    """Return what does clips: processes here, or workers of Dask."""
+    if cluster is None:
+        return lambda clips: spread(
+            made_entry, clips, min(jobs, count), lost_clip, limits=limits, late=late_clip
+        )
+    from roundelay.library.cluster import spread_by_dask
+
+    return lambda clips: spread_by_dask(
+        made_entry, clips, cluster, lost_clip, limits=limits or Limits(), late=late_clip
+    )
+
+
 def _do(
     clips: Sequence[Clip],
     log: Log,
-    jobs: int,
-    limits: Limits | None,
+    spreading: Spreading,
     progress: Progress | None,
     tell: Tell,
 ) -> None:
     """Make the entries of clips; the fraction done is that of their bytes."""
     sizes = {clip.name: clip.size for clip in clips}
     total, done = max(1, sum(sizes.values())), 0
-    work = spread(
-        made_entry,
-        claimed(clips, log),
-        min(jobs, len(clips)),
-        lost_clip,
-        limits=limits,
-        late=late_clip,
-    )
-    with closing(work) as entries:
+    with closing(spreading(claimed(clips, log))) as entries:
         for number, entry in enumerate(entries, 1):
             log.add(entry)
             if entry.record["error"] is not None:

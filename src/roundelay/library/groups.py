@@ -82,7 +82,7 @@ def _join(packed: Packed, numbers: Labels, labels: Labels, examples: Mapping[int
         return
     reference = Packed(packed.body, np.concatenate([*values, packed.values[old]]))
     owner = np.concatenate([told, labels[numbers[old]]])
-    apart, rows = Finder.of(reference).nearest(packed[new], 1)
+    apart, rows = Finder.of(reference).nearest(packed[new], 1, GROUPS.alike)
     alike = apart[:, 0] <= GROUPS.alike
     labels[numbers[new[alike]]] = owner[rows[alike, 0]]
 
@@ -102,7 +102,8 @@ def clusters(packed: Packed) -> Labels:
     vectors = packed.vectors()
     order = np.lexsort(vectors[:, :3].T)
     sorted_ones = packed[order]
-    apart, near = Finder.of(sorted_ones).nearest(sorted_ones, GROUPS.neighbours + 1)
+    count = GROUPS.neighbours + 1
+    apart, near = Finder.of(sorted_ones).nearest(sorted_ones, count, GROUPS.alike)
     roots = _hills(apart, near)
     labels = np.empty(len(packed), np.intp)
     labels[order] = np.unique(roots, return_inverse=True)[1]
@@ -114,8 +115,8 @@ def _hills(apart: Numbers, near: Labels) -> Labels:
     count = len(near)
     rows = np.arange(count)
     linked = (apart <= GROUPS.alike) & (near != rows[:, None])
-    closeness = 1.0 - (apart / GROUPS.alike) ** 2
-    density = np.sum(np.where(linked, closeness, 0.0), axis=1, dtype=float)
+    closeness = 1.0 - (np.where(linked, apart, 0.0) / GROUPS.alike) ** 2
+    density = np.sum(closeness * linked, axis=1, dtype=float)
     rank = np.empty(count, np.intp)
     rank[np.lexsort((rows, -density))] = rows
     one, other = rows.repeat(linked.sum(axis=1)), near[linked]
@@ -197,7 +198,7 @@ def nearest_named(
         told, asked = np.flatnonzero(is_named), np.flatnonzero(~is_named)
         if not len(told) or not len(asked):
             continue
-        apart, rows = Finder.of(shelf.packed[told]).nearest(shelf.packed[asked], 1)
+        apart, rows = Finder.of(shelf.packed[told]).nearest(shelf.packed[asked], 1, reach)
         others = _nearest_of_others(shelf.packed[asked], own[asked])
         limit = np.clip(GROUPS.nearer * others, GROUPS.alike, reach)
         for place in np.flatnonzero(apart[:, 0] <= limit).tolist():

@@ -17,7 +17,7 @@ from typing import Any, Generic, NoReturn, TypeVar
 
 from roundelay.base.threads import one_thread
 
-__all__ = ["Limits", "end_with_parent", "limit_memory", "one_thread_each", "spread"]
+__all__ = ["Limits", "end_with_parent", "in_child", "limit_memory", "one_thread_each", "spread"]
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -99,6 +99,40 @@ def spread(
     finally:
         for worker in workers.values():
             worker.end()
+
+
+_KEPT = threading.local()
+
+
+def in_child(
+    work: Callable[[Task], Result],
+    task: Task,
+    lost: Callable[[Task], Result],
+    *,
+    limits: Limits,
+    late: Callable[[Task], Result],
+) -> Result:
+    """Return ``work(task)``, done in a child of this process, which is kept for the next task.
+
+    Parameters
+    ----------
+    work : callable
+        A function of a module, the same every time. What it raises is raised here.
+    task
+    lost : callable
+        Gives the result if the child died.
+    limits : Limits
+        What the task may take, the same every time.
+    late : callable
+        Gives the result of a task that took longer.
+    """
+    # Processes that serve others may be told to have no children; this one ends its child itself.
+    vars(multiprocessing.current_process())["_config"]["daemon"] = False
+    kept: _Worker[Task, Result] | None = getattr(_KEPT, "worker", None)
+    worker = _Worker(work, task, limits) if kept is None else kept.given(task)
+    _KEPT.worker = worker
+    _ready({worker.pipe: worker})
+    return worker.result(lost, late)
 
 
 class _Worker(Generic[Task, Result]):

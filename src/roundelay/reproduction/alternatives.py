@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roundelay.base.threads import one_thread
 from roundelay.phase.harmonic import HarmonicCurve, design_matrix
 
 __all__ = ["TurningCurve", "fit_reweighted", "fit_ridge", "fit_turning"]
@@ -19,6 +20,7 @@ _FOLDS = 8
 _HUBER = 1.345
 
 
+@one_thread
 def fit_ridge(phase: ArrayLike, values: ArrayLike, harmonics: int) -> tuple[HarmonicCurve, Array]:
     """Fit by ridge regression, its strength by cross-validation ([C] eq. 6.1).
 
@@ -63,6 +65,7 @@ def _ridge(design: Array, values: Array, penalty: float) -> Array:
     return np.asarray(np.linalg.solve(design.T @ design + np.diag(weights), design.T @ values))
 
 
+@one_thread
 def fit_reweighted(
     phase: ArrayLike, values: ArrayLike, harmonics: int, *, iterations: int = 20
 ) -> tuple[HarmonicCurve, Array]:
@@ -88,7 +91,7 @@ def fit_reweighted(
     design = design_matrix(phase, harmonics)
     weights = np.ones_like(y)
     for _ in range(iterations):
-        gram = np.einsum("na,nj,nb->jab", design, weights, design, optimize=True)
+        gram = (design.T * weights.T[:, None]) @ design
         side = np.einsum("na,nj->ja", design, weights * y)
         solution = np.einsum("jab,jb->aj", np.linalg.pinv(gram, hermitian=True), side)
         away = np.abs(y - design @ solution)

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roundelay.base.brief import brief
 from roundelay.base.numeric import SMALLEST, TINY
+from roundelay.base.threads import one_thread
 from roundelay.cycles.models.constrained import M1, M3, Model, equations, fit_model, group_weights
 from roundelay.phase.harmonic import HarmonicCurve
 
@@ -46,6 +47,7 @@ class CorrelatedFit:
     __repr__ = brief
 
 
+@one_thread
 def fit_correlated(
     phase: ArrayLike, values: ArrayLike, period: float, model: Model = M1
 ) -> CorrelatedFit:
@@ -89,8 +91,8 @@ def fit_correlated(
             rows.append(_whitened(design, near) / scale)
             sides.append(_whitened(target[:, channel, None], near) / scale)
             correlations[group, channel] = near
-        solved = np.linalg.lstsq(np.concatenate(rows), np.concatenate(sides), rcond=None)[0]
-        solution[:, channel] = solved[:, 0]
+        whole, side = np.concatenate(rows), np.concatenate(sides)[:, 0]
+        solution[:, channel] = np.linalg.pinv(whole.T @ whole, hermitian=True) @ (whole.T @ side)
     return CorrelatedFit(HarmonicCurve.from_solution(solution), correlations)
 
 
@@ -143,6 +145,7 @@ def equal_spread(groups: Sequence[ArrayLike]) -> Array:
     return np.asarray((1.0 + 2.0 * ratio / freedom) ** (-0.5 * freedom))
 
 
+@one_thread
 def unequal_shares(
     phase: ArrayLike,
     values: ArrayLike,

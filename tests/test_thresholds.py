@@ -46,8 +46,9 @@ DECIDING = (
     "library/groups.py",
 )
 PLAIN = (0.0, 0.5, 1.0, 2.0)
-# Whole numbers that decide nothing: sizes of blocks in memory, reach of a formula, what is told.
-HARMLESS = {"BLOCK", "_BLOCK", "_MARKERS", "_PAIRS", "_REACH", "_ROWS"}
+# Whole numbers that decide nothing: sizes of blocks in memory, reach of a formula, what is told,
+# versions of files.
+HARMLESS = {"BLOCK", "VERSION", "_BLOCK", "_MARKERS", "_PAIRS", "_REACH", "_ROWS"}
 
 
 def deciding_modules() -> list[Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -110,6 +111,22 @@ class Cycle:
     def travels(self) -> bool:
         """Whether it goes anywhere, rather than stays where it is but for some drift."""
         return bool(self.speed * self.period >= CYCLE.travels * self.skeleton.size)
+
+    def save(self, path: str | Path) -> None:
+        """Write the cycle to an NPZ; see `roundelay.cycles.saved.save_cycle`."""
+        from roundelay.cycles.saved import save_cycle
+
+        save_cycle(self, path)
+
+    @staticmethod
+    def load(path: str | Path) -> Cycle:
+        """Read a cycle that was saved; see `roundelay.cycles.saved.load_cycle`.
+
+        What it was found by is not there: it has no repetitions.
+        """
+        from roundelay.cycles.saved import load_cycle
+
+        return load_cycle(path)
 
     def rotations(self, phase: ArrayLike) -> Array:
         """Return local rotations (n, J, 4) at phases (n,), the root's without its turning."""

@@ -12,8 +12,9 @@ and runs of [C], half from those in FOLDER/truth; constants of segmentation are 
 captures with labels, those of comparing cycles on the cycles of all captures, as a library, those
 of bodies and loops on the loops of every second capture, those of points on the captures as markers
 with gaps, outliers and noise, those of solving on made markers, those of variation on repetitions
-drawn, those of gait on strides of captures and of made walks, those of faults on all loops, clean
-and with the faults of `benchmarks.check` at their least.
+drawn, those of gait on strides of captures and of made walks, those of retargeting on the
+beginnings of all captures on two made characters, those of faults on all loops, clean and with the
+faults of `benchmarks.check` at their least.
 `--only` takes names and beginnings of names, `--keep` puts each result, as soon as it is there,
 into benchmarks/results/sensitivity.json.
 """
@@ -38,6 +39,7 @@ import numpy as np
 
 import roundelay as rl
 from benchmarks._behaviour_takes import bandai_joins, clip_joins, hdm_joins
+from benchmarks._characters import character
 from benchmarks._harness import RESULTS, parser, report
 from benchmarks._marker_takes import (
     bone_markers,
@@ -253,6 +255,7 @@ def _probe(one: Constant) -> Callable[[], Iterable[Outcome]]:
         "loops": _loops,
         "solving": _solved,
         "gait": _stepped,
+        "retargeting": _carried,
     }
     records = {
         "segmentation.pca": _pca,
@@ -364,6 +367,26 @@ def _stepped() -> Iterator[Outcome]:
     """Of every second capture, as it is and as markers with gaps; and of made walks."""
     for motion, timeline in _walks():
         yield _guarded(lambda m=motion, t=timeline: _strides_of(m, t))
+
+
+@cache
+def _stretches() -> list[rl.Motion]:
+    return [motion[: min(len(motion), 240)] for motion in _MOTIONS]
+
+
+def _carried() -> Iterator[Outcome]:
+    """Of the beginnings of all captures on two characters."""
+    for name in ("rigify", "vrm"):
+        made = character(name, meshes=False)
+        for motion in _stretches():
+            yield _guarded(lambda m=motion, c=made: _carried_to(m, c))
+
+
+def _carried_to(motion: rl.Motion, made: rl.Motion) -> Outcome:
+    again = rl.retarget(motion, made)
+    shown = again.at(np.linspace(0, len(again) - 1, 12))
+    figures = shown.positions().reshape(-1) / made.skeleton.size
+    return Outcome(1 + len(rl.map_body(motion).joints), figures=tuple(figures), slack=3e-3)
 
 
 @cache

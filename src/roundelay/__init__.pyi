@@ -38,6 +38,7 @@ from roundelay.cycles.modes import modes as modes
 from roundelay.cycles.repetitions import Repetitions as Repetitions
 from roundelay.cycles.repetitions import repetitions as repetitions
 from roundelay.formats import read as read
+from roundelay.formats import read_character as read_character
 from roundelay.formats import read_points as read_points
 from roundelay.formats import write as write
 from roundelay.gait.options import StrideOptions as StrideOptions
@@ -67,6 +68,9 @@ from roundelay.pipeline import make_cycle as make_cycle
 from roundelay.pipeline import make_loops as make_loops
 from roundelay.pipeline import segment as segment
 from roundelay.pipeline import understand as understand
+from roundelay.retargeting.mapping import BodyMap as BodyMap
+from roundelay.retargeting.onto import map_body as map_body
+from roundelay.retargeting.onto import retarget as retarget
 from roundelay.segmentation import Segmentation as Segmentation
 from roundelay.solving import Solution as Solution
 from roundelay.solving import solve_skeleton as solve_skeleton

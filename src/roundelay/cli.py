@@ -24,6 +24,7 @@ from roundelay.commands.name import name
 from roundelay.commands.query import query
 from roundelay.commands.report import report
 from roundelay.commands.reproduce import reproduce
+from roundelay.commands.retarget import retarget
 from roundelay.commands.search import search
 from roundelay.commands.segment import segment
 from roundelay.commands.strides import strides
@@ -91,6 +92,7 @@ for command in (
     blend,
     transition,
     vary,
+    retarget,
     library,
     search,
     query,

@@ -24,12 +24,14 @@ from roundelay.commands.options import all_but, only, takes
 from roundelay.cycles.edit.options import AmountOptions, BlendOptions, TransitionOptions
 from roundelay.formats.options import ReadOptions
 from roundelay.loops.options import LoopOptions
+from roundelay.retargeting.options import OntoOptions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from roundelay.cycles.cycle import Cycle
     from roundelay.motion.motion import Motion
+    from roundelay.retargeting.onto import Retargeting
 
 First = Annotated[
     Path, typer.Argument(metavar="FIRST", help="A {readers} file.", show_default=False)
@@ -54,6 +56,7 @@ StylePair = Annotated[
     mixing=BlendOptions,
     laid=AmountOptions,
     written=all_but(LoopOptions, "profile"),
+    carrying=OntoOptions,
     reading=ReadOptions,
 )
 def blend(
@@ -64,6 +67,7 @@ def blend(
     mixing: BlendOptions,
     laid: AmountOptions,
     written: LoopOptions,
+    carrying: OntoOptions,
     reading: ReadOptions,
     given: frozenset[str],
 ) -> None:
@@ -71,7 +75,8 @@ def blend(
 
     The cycles are brought into phase and heading with the first; rotations are averaged on the
     sphere, travel, turning and period blended along. Limbs that pass through each other more
-    than in the captures are parted. In a folder the file is FIRST_blend.bvh.
+    than in the captures are parted. Captures of other skeletons are carried to the first one's, or
+    all to a character. In a folder the file is FIRST_blend.bvh.
 
     With --style the difference of two more captures is laid on it, as much as --amount says; one
     capture is then enough.
@@ -88,7 +93,7 @@ def blend(
         if "amount" in given and style is None:
             raise ValueError("--amount says how much of --style, which is not given")
         several = [*captures, *(style or ())]
-        cycles, sources = _best_cycles(several, mixing.mirror, reading)
+        cycles, sources = _best_cycles(several, mixing.mirror, reading, carrying)
         count = len(captures)
         mixed = blend_cycles(cycles[:count], shares, by=mixing.by, mirror=mixing.mirror)
         if style is not None:
@@ -104,6 +109,7 @@ def blend(
 @takes(
     joining=TransitionOptions,
     written=only(LoopOptions, "fps", "mirror", "resize", "repair", "file_format"),
+    carrying=OntoOptions,
     reading=ReadOptions,
 )
 def transition(
@@ -113,6 +119,7 @@ def transition(
     *,
     joining: TransitionOptions,
     written: LoopOptions,
+    carrying: OntoOptions,
     reading: ReadOptions,
     given: frozenset[str],
 ) -> None:
@@ -130,7 +137,7 @@ def transition(
         written = in_format_of(place, written, given, first, reading)
         kind = f"to_{fitting(name_of(second), '', 80)}"
         path = place.file or place.path(kind, f".{written.file_format}")
-        (start, end), sources = _best_cycles([first, second], joining.mirror, reading)
+        (start, end), sources = _best_cycles([first, second], joining.mirror, reading, carrying)
         motion = make_transition(start, end, **asdict(joining), fps=written.fps)
         motion, parted = rendered_motion(motion, sources, written)
         write(motion, path)
@@ -139,22 +146,53 @@ def transition(
 
 
 def _best_cycles(
-    paths: Sequence[Path], mirror: bool, reading: ReadOptions
+    paths: Sequence[Path], mirror: bool, reading: ReadOptions, carrying: OntoOptions
 ) -> tuple[list[Cycle], list[Motion]]:
-    """Return the best cycle of each capture, and the parts of the captures that show them."""
+    """Return the best cycle of each capture, and the parts of the captures that show them.
+
+    All are of one skeleton: that of the character, or of the first capture.
+    """
     from roundelay.base.errors import NoPeriod
     from roundelay.cycles.edit.separate import source_parts
     from roundelay.pipeline import find_cycles
+    from roundelay.retargeting.characters import carried_cycles
 
-    cycles, sources = [], []
+    cycles: list[Cycle] = []
+    sources: list[Motion] = []
+    first = None
     for path in paths:
         motion = read_capture(path, None, reading)
         try:
-            cycles.append(find_cycles(motion)[0])
+            cycle = find_cycles(motion)[0]
         except NoPeriod as refusal:
             raise NoPeriod(f"{path}: {refusal}", refusal.evidence) from None
-        sources += source_parts(cycles[-1], motion, mirror=mirror)
+        to = _carrying(motion, first, carrying)
+        if to is not None:
+            (cycle,), motion = carried_cycles([cycle], motion, to)
+        if to is not None and carrying.onto is None and first is not None:
+            told = f"{shown(path)} is carried to the skeleton of {first.name!r}"
+            echo(f"roundelay: note: {told}", err=True)
+        first = motion if first is None else first
+        cycles.append(cycle)
+        sources += source_parts(cycle, motion, mirror=mirror)
     return cycles, sources
+
+
+def _carrying(motion: Motion, first: Motion | None, chosen: OntoOptions) -> Retargeting | None:
+    """Return what carries a capture to the character, or to the first capture's skeleton.
+
+    None where it has its joints already, or one of both is of points.
+    """
+    from roundelay.retargeting.characters import to_character
+    from roundelay.retargeting.onto import Retargeting
+
+    if chosen.onto is not None:
+        return to_character(motion, chosen)
+    if first is None or motion.skeleton.free or first.skeleton.free:
+        return None
+    ours, theirs = motion.skeleton, first.skeleton
+    alike = ours.names == theirs.names and ours.parents == theirs.parents
+    return None if alike else Retargeting.between(motion, first)
 
 
 def _shares(mixing: BlendOptions, count: int) -> Sequence[float]:

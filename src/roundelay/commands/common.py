@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from roundelay.formats.options import ReadOptions
     from roundelay.loops.options import LoopOptions
     from roundelay.motion.motion import Motion
+    from roundelay.retargeting.options import OntoOptions
     from roundelay.segmentation import Segmentation
 
 __all__ = [
@@ -152,11 +153,13 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     echo(f"roundelay: note: {message}", err=True)
 
 
-def read_capture(path: Path, skeleton: Path | None, reading: ReadOptions) -> Motion:
-    """Read a capture with the skeleton it needs."""
+def read_capture(
+    path: Path, skeleton: Path | None, reading: ReadOptions, carrying: OntoOptions | None = None
+) -> Motion:
+    """Read a capture with the skeleton it needs, carried to a character if one is asked for."""
     from roundelay.formats import read
 
-    return read(
+    motion = read(
         path,
         skeleton=skeleton,
         fps=reading.capture_fps,
@@ -168,6 +171,11 @@ def read_capture(path: Path, skeleton: Path | None, reading: ReadOptions) -> Mot
         salvage=reading.salvage,
         encoding=reading.encoding,
     )
+    if carrying is None or carrying.onto is None:
+        return motion
+    from roundelay.retargeting.characters import to_character
+
+    return to_character(motion, carrying)(motion)
 
 
 @dataclass(frozen=True)

@@ -38,10 +38,12 @@ from roundelay.commands.limbs import print_limbs
 from roundelay.commands.options import takes
 from roundelay.formats.options import ReadOptions
 from roundelay.loops.options import LoopOptions
+from roundelay.retargeting.options import OntoOptions
 from roundelay.timeline.options import Options
 
 if TYPE_CHECKING:
     from roundelay.base.progress import Progress
+    from roundelay.cycles.cycle import Cycle
     from roundelay.loops.recipe import Loop
     from roundelay.motion.motion import Motion
     from roundelay.studio.work import Work
@@ -77,6 +79,7 @@ class _Asked:
     search: Options
     written: LoopOptions
     reading: ReadOptions
+    carrying: OntoOptions
     skeleton: Path | None
     per_behaviour: bool
     timeline: Path | None
@@ -86,7 +89,7 @@ class _Asked:
     work: Work | None = None
 
 
-@takes(search=Options, written=LoopOptions, reading=ReadOptions)
+@takes(search=Options, written=LoopOptions, carrying=OntoOptions, reading=ReadOptions)
 def loop(
     captures: Taken = None,
     output: Output = ".",
@@ -100,6 +103,7 @@ def loop(
     *,
     search: Options,
     written: LoopOptions,
+    carrying: OntoOptions,
     reading: ReadOptions,
     given: frozenset[str],
 ) -> None:
@@ -126,7 +130,17 @@ def loop(
         places = _places(captures, output)
         written = in_format_of(places[0], written, given, captures[0], reading)
     asked = _Asked(
-        search, written, reading, skeleton, per_behaviour, timeline, picture, gif, json, done
+        search,
+        written,
+        reading,
+        carrying,
+        skeleton,
+        per_behaviour,
+        timeline,
+        picture,
+        gif,
+        json,
+        done,
     )
     records: list[dict[str, Any]] = []
     codes = [
@@ -179,8 +193,10 @@ def _looped(capture: Path, place: Place, asked: _Asked, records: list[dict[str, 
             motion = _read(capture, asked)
             options = asked.search if asked.work is None else asked.work.to_dict()
             record = capture_record(motion, capture, options)
+            if asked.carrying.onto is not None:
+                record["onto"] = asdict(asked.carrying)
             try:
-                loops = _loops(motion, asked, progress)
+                loops, shown_motion = _loops(motion, asked, progress)
             except NoPeriod as refusal:
                 records.append(record | refusal_record(refusal))
                 _leave_record(records[-1], place, capture)
@@ -190,7 +206,7 @@ def _looped(capture: Path, place: Place, asked: _Asked, records: list[dict[str, 
         record |= {
             "sampling": asdict(asked.written),
             "cycles": _written(loops, place, asked.written, asked.gif),
-            "picture": _drawn(motion, loops, place) if asked.picture else None,
+            "picture": _drawn(shown_motion, loops, place) if asked.picture else None,
         }
         _leave_record(record, place, capture)
         records.append(record)
@@ -204,24 +220,37 @@ def _read(capture: Path, asked: _Asked) -> Motion:
     return read_capture(capture, asked.skeleton, asked.reading)
 
 
-def _loops(motion: Motion, asked: _Asked, progress: Progress | None) -> list[Loop]:
-    """Make the loops of the whole capture, of each of its behaviours, or those of a work."""
+def _loops(motion: Motion, asked: _Asked, progress: Progress | None) -> tuple[list[Loop], Motion]:
+    """Make the loops of the whole capture, of each of its behaviours, or those of a work.
+
+    The capture is returned, too; both are on the character, if one is asked for.
+    """
     from roundelay.loops.recipe import made_loop, numbered
-    from roundelay.pipeline import cycles_in_segments, make_loops, segment
 
     if asked.work is not None:
         from roundelay.studio.making import loops_of
 
-        return loops_of(replace(asked.work, render=asked.written), motion, progress=progress)
+        own = replace(asked.work, render=asked.written)
+        return loops_of(own, motion, progress=progress), motion
+    cycles = _cycles(motion, asked, progress)
+    if asked.carrying.onto is not None:
+        from roundelay.retargeting.characters import carried_cycles, to_character
+
+        cycles, motion = carried_cycles(cycles, motion, to_character(motion, asked.carrying))
+    return [made_loop(cycle, motion, asked.written) for cycle in numbered(cycles)], motion
+
+
+def _cycles(motion: Motion, asked: _Asked, progress: Progress | None) -> list[Cycle]:
+    from roundelay.pipeline import cycles_in_segments, find_cycles, segment
+
     table = asked.timeline
     if table is None and not asked.per_behaviour:
-        return make_loops(motion, asked.search, asked.written, progress=progress)
+        return find_cycles(motion, asked.search, progress=progress)
     if asked.search.frames is not None:
         option = "--per-behaviour" if table is None else "--timeline"
         raise ValueError(f"expected --frames or {option}, found both")
     found = segment(motion) if table is None else table_of(table, motion)
-    cycles = cycles_in_segments(found, motion, asked.search, progress=progress)
-    return [made_loop(cycle, motion, asked.written) for cycle in numbered(cycles)]
+    return cycles_in_segments(found, motion, asked.search, progress=progress)
 
 
 def _written(

@@ -20,6 +20,7 @@ from roundelay.commands.options import only, takes
 from roundelay.cycles.edit.options import VaryOptions
 from roundelay.formats.options import ReadOptions
 from roundelay.loops.options import LoopOptions
+from roundelay.retargeting.options import OntoOptions
 
 __all__ = ["vary"]
 
@@ -36,6 +37,7 @@ __all__ = ["vary"]
         "foot_lock",
         "file_format",
     ),
+    carrying=OntoOptions,
     reading=ReadOptions,
 )
 def vary(
@@ -45,6 +47,7 @@ def vary(
     *,
     drawing: VaryOptions,
     written: LoopOptions,
+    carrying: OntoOptions,
     reading: ReadOptions,
     given: frozenset[str],
 ) -> None:
@@ -64,7 +67,7 @@ def vary(
         refuse_over(capture, place)
         written = in_format_of(place, written, given, capture, reading)
         with progress_bar(quiet=False) as progress:
-            motion = read_capture(capture, skeleton, reading)
+            motion = read_capture(capture, skeleton, reading, carrying)
             cycle = find_cycles(motion, progress=progress)[0]
         own = repetitions(placed(cycle, written), placed(motion, written))
         made = own.vary(

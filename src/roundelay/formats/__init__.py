@@ -65,6 +65,7 @@ __all__ = [
     "in_words",
     "is_capture",
     "read",
+    "read_character",
     "read_points",
     "readers",
     "suffixes_of",
@@ -158,6 +159,48 @@ def read(
     if path == STANDARD_INPUT or unpacked(path) != path:
         motion = replace(motion, name=name_of(path))
     return motion
+
+
+def read_character(path: str | PathLike[str], *, character: str | None = None) -> Motion:
+    """Read a character to carry motions to: its skeleton, its pose at rest and its meshes.
+
+    Parameters
+    ----------
+    path : path-like
+        Of a format with characters, such as ``.fbx``, ``.glb`` or ``.vrm``, with an animation or
+        without; or any capture, whose skeleton is the character's.
+    character : str, optional
+        Which of several skeletons, by the name of its root.
+
+    Returns
+    -------
+    Motion
+        Of a character one frame, at rest; of a capture all.
+
+    Raises
+    ------
+    FormatError
+        If the file is of no known format, or not what its format says.
+    ValueError
+        If a skeleton is chosen of a format that has one.
+    OSError
+        If the file cannot be read.
+
+    Examples
+    --------
+    >>> rl.read_character("walk.bvh").skeleton.names[0]
+    'Hips'
+    """
+    path = as_path(path)
+    reader = reader_of(path, None)
+    still = getattr(reader, "read_still", None)
+    if still is None:
+        return read(path, character=character)
+    motion: Motion = still(path, ReadOptions(character=character))
+    fault = fault_of(motion)
+    if fault is not None:
+        raise FormatError(fault, path=path)
+    return _upright(motion)
 
 
 def read_points(

@@ -11,6 +11,8 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from roundelay.formats.clock import Clock, common_clock
 from roundelay.formats.contents import Contents
 from roundelay.formats.fbx_document import Fbx, Properties, load
@@ -75,16 +77,30 @@ class FbxReader:
         }
         if not used:
             raise fbx.error(_MOVING, "none")
-        joints, ends = models.tree.without_ends(joints, moving)
-        clock = _clock(fbx, used)
-        check_proportion(models.tree, len(clock.times), len(joints), fbx.size)
-        placed = PlacedModels(models, used, clock)
-        placed.scales.update(_scales(models.tree, placed, nodes))
-        chosen, dresser = Chosen(joints, ends), partial(read_figure, models)
-        motion = posed(models.tree, placed, chosen, clock.step, path.stem, dresser)
-        unit = _unit(fbx)
-        motion = motion if unit == 1.0 else motion.scaled(unit)
-        return replace(motion, up=min(max(fbx.settings.whole("UpAxis", 1), 0), 2))
+        return _posed(models, joints, moving, used, _clock(fbx, used), path.stem)
+
+    def read_still(self, path: Path, wanted: ReadOptions | None = None) -> Motion:
+        """Read the skeleton at rest, with its meshes, as a motion of one frame.
+
+        Parameters
+        ----------
+        path : Path
+        wanted : ReadOptions, optional
+            Which skeleton.
+
+        Raises
+        ------
+        FormatError
+            If the file is not sound, encrypted, or holds no skeleton.
+        OSError
+            If it cannot be read.
+        """
+        models = models_of(load(path))
+        bones = _bones(models, (wanted or ReadOptions()).character)
+        if not models.tree.order:
+            raise models.fbx.error("a skeleton", "none")
+        joints = models.tree.connected(bones or set(models.tree.order))
+        return _posed(models, joints, set(), {}, Clock(np.zeros(1), 1.0), path.stem)
 
     def contents(self, path: Path) -> Contents:
         """List the animations and skeletons of a file, and what it says of its axes and unit."""
@@ -99,6 +115,22 @@ class FbxReader:
         named = [told for kind, told in _BESIDES.items() if fbx.of_kind(kind)]
         animations = len(takes_of(fbx))
         return (*named, *([f"{animations} animations"] if animations > 1 else []))
+
+
+def _posed(
+    models: Models, joints: list[int], moving: set[int], used: _Channels, clock: Clock, name: str
+) -> Motion:
+    """Return the motion of some joints, in centimetres on the file's axes."""
+    fbx, nodes = models.fbx, [*models.tree.above(joints[0]), *joints]
+    joints, ends = models.tree.without_ends(joints, moving)
+    check_proportion(models.tree, len(clock.times), len(joints), fbx.size)
+    placed = PlacedModels(models, used, clock)
+    placed.scales.update(_scales(models.tree, placed, nodes))
+    chosen, dresser = Chosen(joints, ends), partial(read_figure, models)
+    motion = posed(models.tree, placed, chosen, clock.step, name, dresser)
+    unit = _unit(fbx)
+    motion = motion if unit == 1.0 else motion.scaled(unit)
+    return replace(motion, up=min(max(fbx.settings.whole("UpAxis", 1), 0), 2))
 
 
 def _bones(models: Models, character: str | None) -> set[int]:

@@ -65,24 +65,39 @@ class GltfReader:
         """
         wanted = wanted or ReadOptions()
         document = load(path)
-        parts = document.root.entries("nodes")
         tree = _read_tree(document)
         skin = _joints_of_skin(document, tree, wanted.character)
         animation = _animation(document, tree, skin, wanted.animation)
         tracks = _read_tracks(document, animation, tree)
         moving = {node for node, _ in tracks}
         joints = tree.connected(skin or tree.with_descendants(moving))
-        above = list(tree.above(joints[0]))
-        nodes = {number: _read_node(parts[number]) for number in [*above, *joints]}
-        joints, ends = tree.without_ends(joints, moving)
-        used = {key: track for key, track in tracks.items() if key[0] in nodes}
+        inside = {*tree.above(joints[0]), *joints}
+        used = {key: track for key, track in tracks.items() if key[0] in inside}
         if not used:
             raise animation.error(_MOVING, "none")
-        clock = _clock(tree, list(used.values()))
-        check_proportion(tree, len(clock.times), len(joints), document.loaded)
-        placed = _Placed(parts, nodes, _scales(tree, nodes, used), used, clock)
-        chosen, dresser = Chosen(joints, ends), partial(read_figure, document)
-        return posed(tree, placed, chosen, clock.step, path.stem, dresser)
+        return _posed(document, tree, joints, used, _clock(tree, list(used.values())))
+
+    def read_still(self, path: Path, wanted: ReadOptions | None = None) -> Motion:
+        """Read the skeleton at rest, with its meshes, as a motion of one frame.
+
+        Parameters
+        ----------
+        path : Path
+        wanted : ReadOptions, optional
+            Which skeleton.
+
+        Raises
+        ------
+        FormatError
+            If the file is not sound, or holds no skeleton.
+        OSError
+            If it cannot be read.
+        """
+        document = load(path)
+        tree = _read_tree(document)
+        skin = _joints_of_skin(document, tree, (wanted or ReadOptions()).character)
+        joints = tree.connected(skin or set(tree.order))
+        return _posed(document, tree, joints, {}, Clock(np.zeros(1), 1.0))
 
     def contents(self, path: Path) -> Contents:
         """List the animations and skeletons of a file."""
@@ -101,6 +116,23 @@ class GltfReader:
         named = [kind for kind in _BESIDES if root.entries(kind)]
         animations = len(root.entries("animations"))
         return (*named, *([f"{animations} animations"] if animations > 1 else []))
+
+
+def _posed(
+    document: Document,
+    tree: Tree,
+    joints: list[int],
+    tracks: dict[tuple[int, str], Track],
+    clock: Clock,
+) -> Motion:
+    """Return the motion of some joints, with what moves them and the nodes above."""
+    parts = document.root.entries("nodes")
+    nodes = {number: _read_node(parts[number]) for number in [*tree.above(joints[0]), *joints]}
+    joints, ends = tree.without_ends(joints, {node for node, _ in tracks})
+    check_proportion(tree, len(clock.times), len(joints), document.loaded)
+    placed = _Placed(parts, nodes, _scales(tree, nodes, tracks), tracks, clock)
+    chosen, dresser = Chosen(joints, ends), partial(read_figure, document)
+    return posed(tree, placed, chosen, clock.step, document.root.path.stem, dresser)
 
 
 @dataclass(frozen=True)

@@ -165,7 +165,9 @@ def posed(
     if dresser is not None:
         named = dict(zip(joints, names, strict=True))
         figure = _figure(dresser, Bound(tree, named, factors, placed.local))
-    skeleton = Skeleton(names, parents, offsets, tips, figure=figure)
+    turned = bool(np.any(np.abs(turns[0, :, 0]) < 1.0))
+    rest = rot.normalize(turns[0]) if turned else None
+    skeleton = Skeleton(names, parents, offsets, tips, figure=figure, rest=rest)
     translations = places[1:] if moved else None
     return Motion(skeleton, turns[1:], places[1:, 0], step, translations, name)
 

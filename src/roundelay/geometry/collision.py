@@ -99,8 +99,7 @@ class Capsules:
         lower = np.array(bones, np.intp)[chosen]
         upper = np.array(skeleton.parents, np.intp)[lower]
         pairs = cls(upper, lower, radii[chosen].sum(axis=1))
-        still = np.tile([1.0, 0.0, 0.0, 0.0], (1, skeleton.n_joints, 1))
-        touching = pairs.near(forward_kinematics(skeleton, still)[0]).pair
+        touching = pairs.near(forward_kinematics(skeleton, _still(skeleton))[0]).pair
         keep = np.setdiff1d(np.arange(len(lower)), touching)
         return cls(upper[keep], lower[keep], pairs.reach[keep])
 
@@ -181,6 +180,13 @@ def collisions(
     return sorted(found, key=lambda met: met.start)
 
 
+def _still(skeleton: Skeleton) -> Array:
+    """Return local rotations (1, J, 4) at rest."""
+    if skeleton.rest is not None:
+        return skeleton.rest[None]
+    return np.tile([1.0, 0.0, 0.0, 0.0], (1, skeleton.n_joints, 1))
+
+
 def _bones(skeleton: Skeleton) -> list[int]:
     """Return the joints at the lower ends of bones that are long enough.
 
@@ -192,7 +198,20 @@ def _bones(skeleton: Skeleton) -> list[int]:
     lengths = np.linalg.norm(skeleton.offsets, axis=1)
     least = COLLISION.shortest * skeleton.size
     first = next((j for j in range(skeleton.n_joints) if skeleton.parents.count(j) > 1), 0)
-    return [j for j in range(first + 1, skeleton.n_joints) if lengths[j] >= least]
+    bones = [j for j in range(first + 1, skeleton.n_joints) if lengths[j] >= least]
+    grounded = _lies_below(skeleton)
+    return [j for j in bones if not (grounded and skeleton.parents[j] == 0)]
+
+
+def _lies_below(skeleton: Skeleton) -> bool:
+    """Tell a root that lies below all of the body at rest: on the ground, with several children."""
+    if skeleton.rest is None:
+        return False
+    places = forward_kinematics(skeleton, _still(skeleton))[0][0]
+    middle = places.mean(axis=0)
+    up = (middle - places[0]) / max(float(np.linalg.norm(middle - places[0])), TINY)
+    lowest = float(((places - places[0]) @ up).min())
+    return lowest > -COLLISION.thickest * skeleton.size
 
 
 def _radii(skeleton: Skeleton, bones: list[int]) -> Array:

@@ -39,6 +39,8 @@ class Skeleton:
         The root is then the frame of the trunk and no point, and bones are lines to draw.
     figure : Figure, optional
         The meshes that hang on the joints, which are written to glTF.
+    rest : (J, 4) ndarray, optional
+        Local rotations at rest, where a file has them; else joints at rest are not turned.
 
     Raises
     ------
@@ -60,6 +62,7 @@ class Skeleton:
     layout: Any = field(default=None, repr=False)
     free: bool = False
     figure: Figure | None = field(default=None, repr=False)
+    rest: NDArray[np.float64] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         offsets = np.array(as_numbers(self.offsets, "offsets (J, 3)"), float)

@@ -178,7 +178,10 @@ def reflected_skeleton(skeleton: Skeleton, other: Places, across: int, sideways:
         names = skeleton.names
         partner = {name: names[other[joint]] for joint, name in enumerate(names)}
         figure = figure.mirrored(partner, reflection(across))
-    return replace(skeleton, offsets=offsets, end_sites=ordered, figure=figure)
+    rest = skeleton.rest
+    if rest is not None:
+        rest = reflected_rotations(rest[None], other, across, sideways)[0]
+    return replace(skeleton, offsets=offsets, end_sites=ordered, figure=figure, rest=rest)
 
 
 def reflected_rotations(rotations: Array, other: Places, across: int, sideways: int) -> Array:

@@ -17,7 +17,7 @@ from roundelay.geometry.kinematics import forward_kinematics
 from roundelay.geometry.skeleton import Skeleton
 from roundelay.motion.motion import Motion
 
-__all__ = ["lock_feet", "lock_offsets", "move_foot"]
+__all__ = ["eased", "lock_feet", "lock_offsets", "move_foot"]
 
 Array = NDArray[np.float64]
 
@@ -87,13 +87,25 @@ def lock_offsets(points: Array, standing: Mask, up: int) -> Array:
             here = points[start:stop, foot]
             offsets[start:stop, foot] = here.mean(axis=0) - here
         if held:
-            offsets[:, foot] = _eased(offsets[:, foot], held)
+            offsets[:, foot] = eased(offsets[:, foot], held)
     offsets[:, :, up] = 0.0
     return offsets
 
 
-def _eased(offsets: Array, held: Sequence[Span]) -> Array:
-    """Fill the gaps between held stretches by smooth steps; before and after, fade as held."""
+def eased(offsets: Array, held: Sequence[Span]) -> Array:
+    """Fill the gaps between held stretches by smooth steps; before and after, stay as held.
+
+    Parameters
+    ----------
+    offsets : (F, 3) ndarray
+        Of which the held frames count.
+    held : sequence of (start, stop)
+        At least one.
+
+    Returns
+    -------
+    (F, 3) ndarray
+    """
     result = offsets.copy()
     for (_, stop), (start, _) in pairwise(held):
         x = (np.arange(stop, start) - (stop - 1)) / (start - stop + 1)

@@ -1,0 +1,1 @@
+"""A motion of one body on another, through a canonical body that both have."""

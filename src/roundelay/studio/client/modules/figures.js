@@ -8,7 +8,7 @@ export class Figure {
   constructor(canvas, bones, yaw) {
     Object.assign(this, { canvas, bones });
     this.camera = new Camera();
-    this.camera.reset(yaw, 1.4);
+    this.camera.reset(yaw, 1.62);
   }
 
   show(motion) {
@@ -20,7 +20,7 @@ export class Figure {
     if (!this.motion || width === 0) return;
     const phase = seconds / this.motion.period;
     const pose = this.motion.loop.inPlace(phase);
-    this.camera.target = [pose[0], 0.45, pose[2]];
+    this.camera.target = [pose[0], 0.44, pose[2]];
     const project = this.camera.projector(width, height);
     drawGround(context, project, this.camera.target, ink("grid"));
     drawShadow(context, project, pose, this.bones, ink("shadow"));

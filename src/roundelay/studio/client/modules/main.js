@@ -173,10 +173,11 @@ function createDesk(first, data) {
 
   async function heard(event, work) {
     if (event.progress !== undefined && !opening) bar.show(event.progress, event.stage);
-    if (event.words) showWords();
+    if (event.words) session.words = event.words;
     if (event.place === undefined) return;
     const record = event.loop && (await unpack(event.loop));
     session.heard(event, work, record && new Motion(record, capture));
+    if (record) document.body.dataset.remade = event.place;
     changed();
   }
 
@@ -190,14 +191,14 @@ function createDesk(first, data) {
     store.change({ bar: page.motion()?.chosen ?? -1 });
     byId("undo").disabled = !session.canUndo();
     byId("redo").disabled = !session.canRedo();
-    showWords();
+    linkWork();
     cards.fill();
     lanes.fill();
     details.fill();
     redraw();
   }
 
-  function showWords() {
+  function linkWork() {
     const link = byId("work-link");
     URL.revokeObjectURL(link.href);
     link.href = URL.createObjectURL(new Blob([JSON.stringify(session.work, null, 1)], { type: "application/json" }));

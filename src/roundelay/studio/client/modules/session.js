@@ -82,8 +82,6 @@ export class Session {
 
   // Hear of an event about loops; the work is the one that was asked about.
   heard(event, work, record) {
-    if (event.words) this.words = event.words;
-    if (event.place === undefined) return;
     const key = keyOf(work, event.place);
     const known = this.loops.get(key) ?? {};
     if (event.loop) known.record = record;

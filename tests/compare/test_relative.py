@@ -66,3 +66,10 @@ def test_other_joints_are_refused(walk):
         rl.relative_phase(walk, "Paw", "LeftFoot")
     with pytest.raises(ValueError, match="expected joints that swing, found Hips at rest"):
         rl.relative_phase(walk, "Hips", "LeftFoot")
+
+
+def test_a_coordination_diagram_shows_each_repetition(walk):
+    from roundelay.output import figures
+
+    axes = figures.coordination(rl.relative_phase(walk, "LeftHand", "RightFoot"))
+    assert len(axes.get_lines()) == len(walk) + 1

@@ -6,7 +6,7 @@ return them; the others return a figure. `save` writes figures, also ``axes.figu
 PDF by the suffix.
 """
 
-from roundelay.output.figures.comparison import comparison, curves, difference
+from roundelay.output.figures.comparison import comparison, coordination, curves, difference
 from roundelay.output.figures.excitation import excitations
 from roundelay.output.figures.gait import stances, steps, stride_line
 from roundelay.output.figures.inspection import inspection, persistence_diagram
@@ -25,6 +25,7 @@ __all__ = [
     "circle_density",
     "comparison",
     "coordinate",
+    "coordination",
     "curves",
     "density",
     "difference",

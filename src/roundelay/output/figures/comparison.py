@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from roundelay.compare.relative import RelativePhase
 from roundelay.compare.waveforms import Comparison
 from roundelay.output.figures.palette import INK, phase_colours
 from roundelay.output.figures.style import dress, given_or_new, headed, new_figure
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["comparison", "curves", "difference"]
+__all__ = ["comparison", "coordination", "curves", "difference"]
 
 
 def comparison(found: Comparison, *, most: int = 4) -> Figure:
@@ -71,4 +72,19 @@ def difference(found: Comparison, name: str, *, axes: Axes | None = None) -> Axe
     for start, stop in found.differing(name):
         axes.axvspan(start, stop, color=phase_colours(3)[2], alpha=0.2, lw=0)
     dress(axes, "the first less the second", x=" ", y="degrees")
+    return axes
+
+
+def coordination(told: RelativePhase, *, axes: Axes | None = None) -> Axes:
+    """Draw the places of two joints against each other: each repetition, and their mean.
+
+    A line up means that they swing together, one down against each other, a ring that one follows.
+    """
+    axes, colour = given_or_new(axes), phase_colours(2)[1]
+    for first, second in zip(told.first, told.second, strict=True):
+        axes.plot(first, second, color=colour, lw=0.6, alpha=0.5)
+    axes.plot(told.first.mean(axis=0), told.second.mean(axis=0), color=INK, lw=2.0)
+    title = f"{told.mean:+.2f} turns later, alike by {told.resultant:.2f}"
+    dress(axes, title, x="first (body sizes)", y="second (body sizes)")
+    axes.set_aspect("equal", adjustable="datalim")
     return axes

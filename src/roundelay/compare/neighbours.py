@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roundelay.base.numeric import SIX_DIGITS
 from roundelay.compare.packed import Packed, pair_distances
 from roundelay.compare.thresholds import NEAR
 
@@ -115,13 +116,22 @@ class Finder:
         tried = min(len(self.packed), max(NEAR.candidates, NEAR.times * count))
         rows, squares = self._candidates(queries.vectors(), tried)
         apart = np.full(rows.shape, np.inf, np.float32)
+        reach = self._reach(queries, rows, squares, count) if within is None else within
         # Vectors are no farther apart than cycles, but for their rounding.
-        tested = np.isfinite(squares) if within is None else squares <= NEAR.slack * within**2
+        tested = squares <= NEAR.slack * np.square(reach) + SIX_DIGITS
         asked = np.nonzero(tested)[0]
         apart[tested] = pair_distances(queries, self.packed, asked, rows[tested])
         # Equally near ones come in the order of their rows.
         order = np.lexsort((rows, apart), axis=1)[:, :count]
         return np.take_along_axis(apart, order, 1), np.take_along_axis(rows, order, 1)
+
+    def _reach(self, queries: Packed, rows: Rows, squares: Numbers, count: int) -> Numbers:
+        """Return how far (q, 1) some are that are many enough: the nearest are no farther."""
+        first = np.argpartition(squares, count - 1, axis=1)[:, :count]
+        near = np.take_along_axis(rows, first, 1).ravel()
+        asked = np.repeat(np.arange(len(rows)), count)
+        found = pair_distances(queries, self.packed, asked, near)
+        return np.asarray(found.reshape(len(rows), count).max(axis=1, keepdims=True))
 
     def _candidates(self, vectors: Numbers, count: int) -> tuple[Rows, Numbers]:
         """Return rows (q, count) whose vectors are near, and the squares of how far."""

@@ -34,7 +34,11 @@ SPECTRA = _Spectra()
 class _Near(Thresholds):
     """The search for near signatures."""
 
-    candidates: int = constant(96, unit="cycles", origin="compared exactly, at least")
+    candidates: int = constant(
+        384,
+        unit="cycles",
+        origin="looked at by vectors; those that may be among the nearest are compared exactly",
+    )
     times: int = constant(4, unit="times", origin="as many candidates as are asked for, where more")
     slack: float = constant(
         1.02, unit="times", origin="squares of distances of vectors, which a graph keeps in 16 bits"

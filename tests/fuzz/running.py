@@ -18,7 +18,8 @@ from roundelay.library.workers import Limits, spread
 
 __all__ = ["batch", "keep", "run", "told"]
 
-# Runs that one process does at a time, and seconds that one run may take.
+# Runs that one process does at a time, and seconds of the processor that one run may take: a busy
+# machine is no hang.
 BATCH, SECONDS = 100, 10
 
 
@@ -34,16 +35,16 @@ def files_of(seed: int, corpus: list[Files]) -> tuple[str, Files]:
 def batch(first: int) -> dict[str, Any]:
     """Do so many runs; count how they end, and keep what ends badly."""
     corpus, counts, failed = kept(), Counter[str](), dict[str, str]()
-    signal.signal(signal.SIGALRM, _late)
+    signal.signal(signal.SIGPROF, _late)
     for seed in range(first, first + BATCH):
         source, files = files_of(seed, corpus)
-        signal.alarm(SECONDS)
+        signal.setitimer(signal.ITIMER_PROF, SECONDS)
         try:
             end = outcome(files)
         except TimeoutError:
             end = "hang"
         finally:
-            signal.alarm(0)
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
         good = end in ("accepted", "refused")
         counts[f"{source} {end if good else 'hang' if end == 'hang' else 'other'}"] += 1
         if not good:

@@ -4,17 +4,31 @@
 ::
 
     panel.py -> extract.py    operators: read, search, write
-                  capture.py  which armatures, which frames
-                  reading.py  an action as a roundelay.Motion    rig.py  bones.py
-                  loops.py    the library's options and results
-                  writing.py  a loop as an action                compat.py
+                  capture.py   which armatures, which frames   takes.py  keyed.py  playing.py
+                  reading.py   bones that are keyed themselves  plain.py  rig.py  bones.py
+                  body.py      what the controls of a rig move
+                  loops.py     the library's options and results          exact.py
+                  making.py    the loop's curves, played back    checking.py
+                  controls.py  means of what is keyed            averaging.py  ground.py
+                  writing.py   a loop as an action               tracks.py  compat.py
 """
 
 from __future__ import annotations
 
 import bpy
 
-from . import blending, extract, importing, panel, preview, segmenting, settings
+from . import (
+    blending,
+    diagram,
+    exporting,
+    extract,
+    importing,
+    joining,
+    panel,
+    preview,
+    segmenting,
+    settings,
+)
 
 _CLASSES = (
     *extract.CLASSES,
@@ -22,6 +36,9 @@ _CLASSES = (
     *preview.CLASSES,
     *blending.CLASSES,
     *importing.CLASSES,
+    *joining.CLASSES,
+    *diagram.CLASSES,
+    *exporting.CLASSES,
     *panel.CLASSES,
 )
 

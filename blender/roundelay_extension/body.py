@@ -66,7 +66,7 @@ class Body:
         if len(self.names) <= _MANY:
             return self
         places, turns = self.placed(matrices)
-        parents = np.array(self.skeleton.parents)
+        parents = np.array(self.skeleton.parents[: len(self.names)])
         back = rot.conjugate(turns[:, parents])
         own = rot.multiply(back, turns)
         moved = rot.rotate(back, places - places[:, parents])
@@ -82,12 +82,17 @@ class Body:
     def motion(self, matrices: Array, frame_time: float, name: str) -> Motion:
         """Make a motion of where bones are (F, J, 4, 4)."""
         places, turns = self.placed(matrices)
-        parents = np.array(self.skeleton.parents)
+        count, added = len(self.names), self.skeleton.n_joints - len(self.names)
+        parents = np.array(self.skeleton.parents[:count])
         parents[0] = 0
         back = rot.conjugate(turns[:, parents])
         rotations = rot.multiply(back, turns)
         moved = rot.rotate(back, places - places[:, parents])
         rotations[:, 0], moved[:, 0] = turns[:, 0], self.skeleton.offsets[0]
+        tips = np.tile(self.skeleton.offsets[count:], (len(places), 1, 1))
+        moved = np.concatenate([moved, tips], axis=1)
+        still_tips = rot.identity(len(places), added)
+        rotations = np.concatenate([rotations, still_tips], axis=1)
         still = np.abs(moved - self.skeleton.offsets).max() <= 1e-4 * self.skeleton.size
         return Motion(
             skeleton=self.skeleton,
@@ -123,7 +128,8 @@ def body_of(armature: Armature, keyed: Keyed, chosen: Collection[str] | None = N
     if root is None:
         tops = [name for name in shown if not set(above[name]) & set(shown)]
         root = max(tops, key=lambda top: sum(top in above[name] for name in shown))
-    names = [root, *(name for name in above if name in set(shown) - {root})]
+    kept = {name for name in shown if name != root and _goes_with(name, root, shown, above)}
+    names = [root, *(name for name in above if name in kept)]
     return _built(armature, _ordered(_hung(armature, names, above)))
 
 
@@ -178,6 +184,16 @@ def _root(keyed: Keyed, shown: Sequence[str], above: dict[str, list[str]]) -> st
     return max(carrying)[1] if carrying else None
 
 
+def _goes_with(name: str, root: str, shown: Sequence[str], above: dict[str, list[str]]) -> bool:
+    """Tell whether a bone hangs on the root or is part of a chain, rather than stands beside."""
+    if root in above[name]:
+        return True
+    if name in above[root]:
+        return False
+    below = any(name in above[other] for other in shown)
+    return below or any(one in shown and one not in above[root] for one in above[name])
+
+
 def _hung(armature: Armature, names: Sequence[str], above: dict[str, list[str]]) -> dict[str, str]:
     """Tell on which joint each bone hangs, none for the root: the first of all.
 
@@ -192,7 +208,7 @@ def _hung(armature: Armature, names: Sequence[str], above: dict[str, list[str]])
         parent = next((one for one in above[name] if one in joints), names[0])
         if parent == names[0]:
             near = np.flatnonzero(np.linalg.norm(tails - heads[place], axis=1) < reach)
-            others = [names[one] for one in near if one not in (0, place)]
+            others = [names[int(one)] for one in near if one not in (0, place)]
             free = [other for other in others if name not in above[other]]
             parent = free[0] if free else parent
         hung[name] = parent
@@ -219,10 +235,13 @@ def _built(armature: Armature, pairs: Sequence[tuple[str, str]]) -> Body:
     offsets = np.concatenate([heads[:1], heads[1:] - heads[parents[1:]]])
     rest = rot.from_matrix(np.array([bone.matrix_local.to_3x3() for bone in bones]))
     leaves = sorted(set(range(len(bones))) - set(parents))
+    # Bones that all hang on the root move no joint: their tips show what they do.
+    tips = [] if any(parent > 0 for parent in parents) else list(range(1, len(bones)))
+    spans = [rot.rotate(turn, _length(bones[i]))[None] for i in tips]
     skeleton = Skeleton(
-        names=tuple(names),
-        parents=tuple(parents),
-        offsets=offsets,
+        names=(*names, *(f"{names[i]} (tip)" for i in tips)),
+        parents=(*parents, *tips),
+        offsets=np.concatenate([offsets, *spans]),
         end_sites=tuple((i, rot.rotate(turn, _length(bones[i]))) for i in leaves),
     )
     return Body(armature, tuple(names), skeleton, rot.multiply(turn, rest), turn)

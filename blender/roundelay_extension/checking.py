@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 # Body sizes by which a loop may be elsewhere than meant: 1.7 cm of a person of 1.7 m.
 LIMIT = 0.009
+# Joins above are moved by up to so many frames.
+_HARD, _CALMER = 1.05, 4
 # Parts of a period in which the capture's repetitions are compared with the loop.
 _PARTS = 12
 
@@ -37,11 +39,17 @@ class Played:
         Which.
     join : float
         Acceleration where it is joined over the largest elsewhere.
+    calmer : int
+        By how many frames later it would be joined more softly, where it is joined hard.
+    calm : float
+        The join there.
     """
 
     away: float
     joint: str
     join: float
+    calmer: int = 0
+    calm: float = 0.0
 
     @property
     def kept(self) -> bool:
@@ -76,7 +84,7 @@ def against_capture(places: Array, body: Body, capture: Motion, ground: Ground) 
     """
     windows = ground.windows
     seen, turns = _seen(windows, ground.frames)
-    shown = capture.positions()[seen]
+    shown = capture.positions()[seen][:, : len(body.names)]
     own = _own(shown, ground.path[seen], ground, ground.frames[seen])
     where = ((turns - windows.turns[0]) % 1.0) * windows.count
     loop = places - (places[:, :1] * ground.along)
@@ -124,11 +132,18 @@ def _between(rows: Array, where: Array) -> Array:
 
 def _told(away: Array, names: Sequence[str], places: Array) -> Played:
     worst = int(np.argmax(away))
-    return Played(float(away[worst]), names[worst], join_of(places))
+    joins = [join_of(places)]
+    while joins[-1] > _HARD and len(joins) <= _CALMER:
+        joins.append(join_of(places, len(joins)))
+    best = int(np.argmin(joins))
+    return Played(float(away[worst]), names[worst], joins[0], best, joins[best])
 
 
-def join_of(places: Array) -> float:
-    """Return the join of a loop as played (N + 1, J, 3), its steady way taken out."""
+def join_of(places: Array, later: int = 0) -> float:
+    """Return the join of a loop as played (N + 1, J, 3), or if it began some frames later.
+
+    Its steady way is taken out.
+    """
     count = len(places) - 1
     steady = (places[-1, :1] - places[0, :1]) * (np.arange(count) / count)[:, None, None]
-    return join_ratio(places[:-1] - steady, count)
+    return join_ratio(np.roll(places[:-1] - steady, -later, axis=0), count)

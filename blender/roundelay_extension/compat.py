@@ -30,7 +30,8 @@ def curves_of_slot(action: bpy.types.Action, slot: Any) -> list[Any]:
         return list(action.fcurves)
     if slot is None:
         return []
-    bags = (strip.channelbag(slot) for layer in action.layers for strip in layer.strips)
+    strips: list[Any] = [strip for layer in action.layers for strip in layer.strips]
+    bags = (strip.channelbag(slot) for strip in strips)
     return [curve for bag in bags if bag is not None for curve in bag.fcurves]
 
 

@@ -57,8 +57,8 @@ class Frame:
 
         plain = posed(Matrix.Identity(4))
         self.origin = plain[:3, 3]
-        moved = [posed(Matrix.Translation(axis))[:3, 3] - self.origin for axis in np.eye(3)]
-        self.axes = np.stack(moved, axis=1)
+        moved = [posed(Matrix.Translation(axis))[:3, 3] for axis in np.eye(3).tolist()]
+        self.axes = np.stack(moved, axis=1) - self.origin[:, None]
         linear = plain[:3, :3]
         self.turn = rot.from_matrix(linear / np.linalg.norm(linear, axis=0))
 

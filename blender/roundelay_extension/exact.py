@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 _APART = 0.0027
 # Body sizes a second: what moves less stands.
 _STANDS = 0.06
+# Body sizes by which a foot is moved at most to stand: .6 cm of a person.
+_MOST = 0.0032
 
 
 def nearer(cycle: Cycle, motion: Motion, fps: float) -> Cycle:
@@ -87,6 +89,8 @@ def held(cycle: Cycle, loop: Motion, fps: float, start: float) -> Motion:
             stands[first:stop] = stop - first < count
     rotations = around.rotations.copy()
     offsets = lock_offsets(points, down, around.up)
+    far = np.linalg.norm(offsets, axis=-1, keepdims=True) / size
+    offsets *= _MOST / np.maximum(far, _MOST)
     for foot, offset in zip(feet, np.moveaxis(offsets, 1, 0), strict=True):
         move_foot(around.skeleton, rotations, foot, offset, places, turns)
     legs = [joint for foot in feet for joint in (foot.hip, foot.knee, foot.ankle)]

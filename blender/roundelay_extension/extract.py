@@ -89,7 +89,9 @@ def _extract(context: Context, armature: Armature, settings: Any, whose: str) ->
 
 
 def _require_possible(capture: Capture, settings: Any) -> None:
-    """Check that what is asked for can be done with the rig."""
+    """Check that what is asked for can be done with the rig, and here."""
+    if settings.use_plots:
+        plots.folder_of(settings)
     if not settings.mirror:
         return
     if capture.rig is None:
@@ -157,8 +159,9 @@ def _report(
     item.controls = capture.rig is None
     item.verdict = str(made.verdict)
     item.action, item.period, item.turning = action, cycle.period, degrees(cycle.turning)
-    item.frames = capture.in_scene(f"Frames {_listed(cycle.evidence.runs)}")
-    item.repetitions, item.confidence = figures.repetitions, cycle.evidence.confidence or 0.0
+    evidence: Any = cycle.evidence
+    item.frames = capture.in_scene(f"Frames {_listed(evidence.runs)}")
+    item.repetitions, item.confidence = figures.repetitions, evidence.confidence or 0.0
     item.seam, item.step = figures.seam_rotation, figures.step_rotation
 
 

@@ -51,7 +51,7 @@ def aside(call: Callable[[], Result]) -> Generator[float, None, Result]:
         try:
             next(steps)
         except StopIteration as end:
-            return end.value  # type: ignore[no-any-return]
+            return end.value
         yield 0.99
 
 

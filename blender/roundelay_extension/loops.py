@@ -28,6 +28,7 @@ def options_of(settings: Any) -> Options:
     """Return the library's options for what the panel holds."""
     topology = TopologyOptions(
         prime=settings.prime,
+        classes=settings.persistent or None,
         max_scale=settings.max_scale or None,
         scale=settings.scale or None,
         delay=settings.delay if settings.use_delay else None,

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -54,9 +55,19 @@ def make_action(
         )
         mark(action, capture.take, capture.armature, capture.place)
         played = yield from _played_back(capture, action, scene, compare)
-        if played.kept:
+        if played.kept and played.calmer == 0:
             return action, played
         bpy.data.actions.remove(action)
+        if played.kept:
+            action = write_tracks(
+                capture.armature,
+                [track.begun(played.calmer) for track in tracks],
+                name,
+                start=capture.first,
+                key_step=settings.key_step,
+            )
+            mark(action, capture.take, capture.armature, capture.place)
+            return action, replace(played, join=played.calm)
         worst = worst if worst is not None and worst.away < played.away else played
     raise NotKept(f"not kept: played back, {worst.told if worst else 'nothing moves'}")
 
@@ -101,8 +112,10 @@ def _bones_compared(
     rig: Rig, loop: Motion, key_step: int, in_part: bool, matrices: Array
 ) -> Played:
     """Compare bones as played (N + 1, J, 4, 4) with a loop, at its keys; in part from the root."""
+    # A mirror image is played by the bones that are there, alike on both sides or not.
+    skeleton = rig.skeleton if loop.translations is None else loop.skeleton
     meant, turns = forward_kinematics(
-        loop.skeleton, loop.rotations, loop.root_path, translations=loop.translations
+        skeleton, loop.rotations, loop.root_path, translations=loop.translations
     )
     count, base = len(rig.bones), np.linalg.inv(rig.base)
     places = matrices[..., :3, 3] @ base[:3, :3].T + base[:3, 3]

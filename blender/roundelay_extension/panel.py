@@ -68,6 +68,9 @@ class ROUNDELAY_PT_main(_Panel, bpy.types.Panel):
             if item.action is not None:
                 self._draw_loop(context, item)
         layout.operator("roundelay.toggle", text=self._toggle_text(context), icon="UV_SYNC_SELECT")
+        row = layout.row(align=True)
+        row.operator("roundelay.join", icon="ARROW_LEFTRIGHT")
+        row.operator("roundelay.export", icon="EXPORT")
 
     def _draw_loop(self, context: Context, item: Any) -> None:
         column = self.layout.box().column(align=True)
@@ -148,6 +151,8 @@ class ROUNDELAY_PT_classes(_Folded, bpy.types.Panel):
         """Draw."""
         settings = context.scene.roundelay
         self.layout.operator("roundelay.inspect")
+        self.layout.operator("roundelay.diagram")
+        self.layout.prop(settings, "persistent")
         for item in settings.classes:
             row = self.layout.row(align=True)
             row.prop(item, "chosen", text="")

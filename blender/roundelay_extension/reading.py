@@ -57,10 +57,11 @@ def read(
         channels = yield from _from_curves(rig, frames)
         if rig.carried:
             places = yield from _places(rig.armature, frames)
-    placed = np.linalg.inv(places[0]) @ places if rig.carried else None
+    place = None if places is None or not rig.carried else places[0]
+    placed = None if places is None or place is None else np.linalg.inv(place) @ places
     frame_time = scene.render.fps_base / scene.render.fps
     motion = yield from aside(lambda: rig.motion(channels, placed, frame_time, name))
-    return Reading(motion, places[0] if rig.carried else None)
+    return Reading(motion, place)
 
 
 def _must_play(rig: Rig) -> bool:

@@ -89,6 +89,13 @@ class Settings(bpy.types.PropertyGroup):
         max=100,
     )
     most: shared(Options, "most")
+    persistent: IntProperty(
+        name="Most Persistent",
+        description="Make a motion each of so many of the longest bars of all frames; 0 for what "
+        "repeats by the timeline",
+        min=0,
+        max=100,
+    )
     per_behaviour: BoolProperty(
         name="Per Behaviour", description="Cut the action into behaviours first, and search in each"
     )

@@ -42,7 +42,7 @@ class Take:
         """The whole frames in which anything is keyed."""
         ends = [(s.frame_start, s.frame_end) for s in self.strips]
         if not self.bare:
-            ends.append(tuple(self.action.frame_range))
+            ends.append((self.action.frame_range[0], self.action.frame_range[1]))
         first, last = min(a for a, _ in ends), max(b for _, b in ends)
         return range(ceil(first - _NEARLY), floor(last + _NEARLY) + 1)
 

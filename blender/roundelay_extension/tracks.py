@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from mathutils import Quaternion
@@ -46,6 +46,14 @@ class Track:
         """Make the track of what is keyed of a property."""
         indices = tuple(sorted(keyed.curves[one]))
         return cls(one, keyed.groups[one], indices, rows, stepped)
+
+    def begun(self, later: int) -> Track:
+        """Return the track that begins so many rows later."""
+        gain = np.array([self.goes_on(k) for k in range(self.rows.shape[1])])
+        rows = self.rows[1 : later + 1] + np.where(gain, self.rows[-1] - self.rows[0], 0.0)
+        if self.target.name == "rotation_quaternion":
+            rows = rows * np.sign(self.rows[0] @ self.rows[-1])
+        return replace(self, rows=np.concatenate([self.rows[later:], rows]))
 
     def goes_on(self, index: int) -> bool:
         """Tell whether a value's last row is not its first."""

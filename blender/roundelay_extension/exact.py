@@ -25,12 +25,12 @@ from .averaging import Values, Windows, windows_of
 
 Array = NDArray[np.float64]
 
-# Body sizes between the two means from which on the plain one is taken: .5 cm of a person.
-_APART = 0.0027
+# Body sizes between the two means from which on the plain one is taken: .3 cm of a person.
+_APART = 0.0016
 # Body sizes a second: what moves less stands.
 _STANDS = 0.06
-# Body sizes by which a foot is moved at most to stand: .6 cm of a person.
-_MOST = 0.0032
+# Body sizes by which a foot is moved at most to stand: .5 cm of a person.
+_MOST = 0.0027
 
 
 def nearer(cycle: Cycle, motion: Motion, fps: float) -> Cycle:

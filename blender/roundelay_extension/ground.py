@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 # Radians by which a heading may stray and still be straight on.
 _STRAIGHT = np.radians(3.0)
+# The share of its way that is left, seen from the body, of what goes along with it.
+_ALONG = 0.5
 # Steps of a control that stands, as a share of the body's.
 _STANDS = 0.05
 
@@ -85,7 +87,8 @@ class Ground:
         ends = self.windows.ends
         seen = np.diff(self.windows.sampled(self.relative(places), ends), axis=1)
         plain = np.diff(self.windows.sampled(places, ends), axis=1)
-        return bool(np.linalg.norm(seen, axis=-1).sum() < np.linalg.norm(plain, axis=-1).sum())
+        apart = [np.linalg.norm(one, axis=-1).sum() for one in (seen, plain)]
+        return bool(apart[0] < _ALONG * apart[1])
 
     def turns_along(self, turns: Values) -> bool:
         """Tell whether rotations come back rather without the drift of the heading."""

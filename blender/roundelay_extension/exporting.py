@@ -58,9 +58,10 @@ class ROUNDELAY_OT_export(ExportHelper, bpy.types.Operator):  # type: ignore[mis
 
 
 def _skinned(armature: Armature) -> list[Any]:
+    objects: Any = bpy.data.objects
     return [
         one
-        for one in bpy.data.objects
+        for one in objects
         if any(m.type == "ARMATURE" and m.object == armature for m in one.modifiers)
     ]
 

@@ -242,6 +242,7 @@ def test_what_the_documents_type_is_there():
     known |= {name for one in COMMANDS.values() for p in one.params for name in p.secondary_opts}
     known |= {"--help", "--version", "--config-file", "--install-completion"}
     known |= {"--data", "--keep", "--only", "--out", "--table"}  # of benchmarks
+    known |= {"--nthreads", "--nworkers"}  # of Dask
     for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *ROOT.glob("docs/flow/*.md")]:
         typed = set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", path.read_text()))
         assert typed <= known, path

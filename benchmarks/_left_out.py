@@ -8,12 +8,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import roundelay as rl
 from benchmarks._truth_data import captures
 from roundelay import synth
 from roundelay.cycles.edit.align import align
-from roundelay.cycles.modes import chosen_modes, curves, predicted
+from roundelay.cycles.modes import Chosen, Fit, chosen_modes, curves
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 # Repetitions of a cycle whose modes are tried, and frames of the longest capture looked at.
 FEWEST, LONGEST = 6, 6000
@@ -21,6 +25,26 @@ FEWEST, LONGEST = 6, 6000
 MADE, REPETITIONS, TOLD = 12, 14, 0.9
 NAMED = re.compile(r"dataset-(\d)_(walk[a-z-]*|run|dash)_([a-z-]+)_\d+")
 NEUTRAL = "normal"
+
+
+def predicted(values: Array, early: Mask, chosen: Chosen, known: Array) -> Array:
+    """Predict the late part of a new curve from its early part.
+
+    Parameters
+    ----------
+    values : (R, D) ndarray
+        Curves that modes are found from.
+    early : (D,) ndarray of bool
+    chosen : Chosen
+        As by `chosen_modes` of the same curves; of none, the mean is predicted.
+    known : (E,) ndarray
+        The early values of the new one.
+    """
+    fit = Fit.of(values)
+    away = np.zeros(values.shape[1])
+    away[early] = known - fit.mean[early]
+    told = fit.told(away, early, chosen.count) if chosen.count else 0.0
+    return np.asarray(fit.mean[~early] + chosen.shrink * told)
 
 
 def left_out_repetitions(folder: Path) -> Iterator[dict[str, Any]]:

@@ -167,7 +167,7 @@ def test_a_capture_without_period_ends_with_3_and_says_why(tmp_path):
         (["loop", "{walk}", "--periods", "0"], "'--periods'"),
         (["loop", "{walk}", "--fps", "fast"], "'--fps'"),
         (["loop", "{walk}", "--zzz"], "--zzz; see "),
-        (["loop"], "missing argument"),
+        (["loop"], "expected a CAPTURE, or --work, found neither"),
         (["polka"], "no such command 'polka'"),
         (["loop", "{readme}"], "file of type"),
         (["loop", "{out}"], "file of type"),

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from benchmarks._left_out import predicted
 
 import roundelay as rl
 from roundelay import synth
-from roundelay.cycles.modes import chosen_modes, curves, predicted
+from roundelay.cycles.modes import chosen_modes, curves
 
 
 @pytest.fixture(scope="module")

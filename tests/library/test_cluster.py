@@ -10,10 +10,20 @@ from typer.testing import CliRunner
 
 import roundelay as rl
 from roundelay.cli import app
+from roundelay.library import workers
 from roundelay.library.database import DATABASE, database_files
 from roundelay.library.workers import Limits, in_child
 
 runner = CliRunner()
+
+
+@pytest.fixture(autouse=True)
+def no_child_is_left():
+    """A child is kept for the next task; none is left for other tests."""
+    yield
+    kept = vars(workers._KEPT).pop("worker", None)
+    if kept is not None:
+        kept.end()
 
 
 def half(number: int) -> float:

@@ -25,7 +25,7 @@ from roundelay.cycles.repetitions import Repetitions
 from roundelay.cycles.thresholds import VARIATION
 from roundelay.motion.motion import Motion
 
-__all__ = ["Chosen", "Modes", "chosen_modes", "curves", "modes", "predicted"]
+__all__ = ["Chosen", "Fit", "Modes", "chosen_modes", "curves", "modes"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -139,7 +139,7 @@ def modes(source: Repetitions) -> Modes:
         )
     values, early = curves(source)
     chosen = chosen_modes(values, early)
-    found = _Fit.of(values)
+    found = Fit.of(values)
     total = max(float(found.variances.sum()), SMALL)
     scores = found.scores(values)
     return Modes(source, chosen.count, chosen.error, found.variances / total, scores)
@@ -180,7 +180,7 @@ def chosen_modes(values: Array, early: Mask) -> Chosen:
         The part of a curve that is known when the rest is predicted.
     """
     most = min(VARIATION.modes, len(values) - 3)
-    fits = [_Fit.of(np.delete(values, left, axis=0)) for left in range(len(values))]
+    fits = [Fit.of(np.delete(values, left, axis=0)) for left in range(len(values))]
     away = np.array([one - fit.mean for one, fit in zip(values, fits, strict=True)])
     late = away[:, ~early]
     none = float(np.sum(late**2))
@@ -195,28 +195,8 @@ def chosen_modes(values: Array, early: Mask) -> Chosen:
     return Chosen(count, shrinks[count], float(sums[count]) if none else 1.0)
 
 
-def predicted(values: Array, early: Mask, chosen: Chosen, known: Array) -> Array:
-    """Predict the late part of a new curve from its early part.
-
-    Parameters
-    ----------
-    values : (R, D) ndarray
-        Curves that modes are found from.
-    early : (D,) ndarray of bool
-    chosen : Chosen
-        As by `chosen_modes` of the same curves; of none, the mean is predicted.
-    known : (E,) ndarray
-        The early values of the new one.
-    """
-    fit = _Fit.of(values)
-    away = np.zeros(values.shape[1])
-    away[early] = known - fit.mean[early]
-    told = fit.told(away, early, chosen.count) if chosen.count else 0.0
-    return np.asarray(fit.mean[~early] + chosen.shrink * told)
-
-
 @dataclass(frozen=True, eq=False)
-class _Fit:
+class Fit:
     """Mean (D,), modes (K, D) of length 1 and their variances (K,), of curves."""
 
     mean: Array
@@ -224,7 +204,8 @@ class _Fit:
     variances: Array
 
     @classmethod
-    def of(cls, values: Array) -> _Fit:
+    def of(cls, values: Array) -> Fit:
+        """Fit some curves (R, D)."""
         mean, freedom = values.mean(axis=0), len(values) - 1
         _, lengths, rows = np.linalg.svd(values - mean, full_matrices=False)
         return cls(mean, rows[:freedom], lengths[:freedom] ** 2 / freedom)

@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from roundelay.base.checks import expected
 from roundelay.base.errors import FormatError, SkeletonMismatch
 from roundelay.base.files import written_beside
 from roundelay.geometry.skeleton import Skeleton
@@ -49,9 +50,10 @@ class BodyMap:
     joints: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if self.kind not in _KINDS:
+        if expected(str, self.kind) not in _KINDS:
             raise ValueError(f"expected a biped or a quadruped, found {self.kind!r}")
         known = joints_of(self.kind)
+        expected(Mapping, self.joints)  # type: ignore[type-abstract]
         unknown = [name for name in self.joints if name not in known]
         if unknown:
             told = f"expected joints of the canonical body of a {self.kind}, found {unknown[0]!r}"

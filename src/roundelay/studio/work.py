@@ -10,6 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from roundelay.base.checks import all_expected, as_path, expected
 from roundelay.base.errors import FormatError
 from roundelay.base.files import content
 from roundelay.base.options import Checked, option
@@ -126,9 +127,10 @@ class Work:
     folder: Path = field(default=Path(), compare=False)
 
     def __post_init__(self) -> None:
-        if Path(self.capture).name != self.capture or self.capture in ("", ".."):
+        name = expected(str, self.capture)
+        if Path(name).name != name or name in ("", ".."):
             raise ValueError(f"expected the name of a file beside the work, found {self.capture!r}")
-        for part in self.parts:
+        for part in all_expected(Part, self.parts):
             if part.spans[-1][1] > self.frames:
                 raise ValueError(
                     f"expected parts within {self.frames} frames, found {part.name!r} up to "
@@ -246,7 +248,7 @@ def read_work(path: str | PathLike[str]) -> Work:
     >>> rl.read_work("walk.work.json").parts[0].name
     'walk'
     """
-    path = Path(path)
+    path = as_path(path)
     try:
         return Work.of_dict(json.loads(content(path)), path.parent)
     except (ValueError, RecursionError) as error:

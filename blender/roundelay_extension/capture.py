@@ -111,6 +111,16 @@ def has_armature(operator: Any, context: Context) -> bool:
     return not operator.busy
 
 
+def shows_loop(operator: Any, context: Context) -> bool:
+    """Tell whether the first armature shows a loop."""
+    armatures = armatures_of(context)
+    data = armatures[0].animation_data if armatures else None
+    if data is None or not is_loop(data.action):
+        operator.poll_message_set("Show a loop first")
+        return False
+    return True
+
+
 def read_capture(context: Context, armature: Armature, settings: Any) -> Steps[Capture]:
     """Read what an armature does in the chosen frames; a loop gives way to its capture."""
     require_writable(armature)

@@ -8,9 +8,8 @@ from typing import Any
 import bpy
 from bpy_extras.io_utils import ExportHelper
 
-from .capture import armatures_of
+from .capture import armatures_of, shows_loop
 from .compat import Armature, Context, State
-from .writing import is_loop
 
 
 class ROUNDELAY_OT_export(ExportHelper, bpy.types.Operator):  # type: ignore[misc]
@@ -26,12 +25,7 @@ class ROUNDELAY_OT_export(ExportHelper, bpy.types.Operator):  # type: ignore[mis
     @classmethod
     def poll(cls, context: Context) -> bool:
         """A loop must be shown."""
-        armatures = armatures_of(context)
-        data = armatures[0].animation_data if armatures else None
-        if data is None or not is_loop(data.action):
-            cls.poll_message_set("Show a loop first")
-            return False
-        return True
+        return shows_loop(cls, context)
 
     def execute(self, context: Context) -> State:
         """Set the scene to the loop's frames, write, and set it back."""

@@ -8,10 +8,9 @@ from typing import Any
 import bpy
 import numpy as np
 
-from .capture import armatures_of
+from .capture import armatures_of, shows_loop
 from .compat import Context, State, fcurves
 from .keyed import keys_of
-from .writing import is_loop
 
 # Pixels of the mouse for a frame.
 _PIXELS = 8
@@ -31,12 +30,7 @@ class ROUNDELAY_OT_join(bpy.types.Operator):
     @classmethod
     def poll(cls, context: Context) -> bool:
         """A loop must be shown."""
-        armatures = armatures_of(context)
-        data = armatures[0].animation_data if armatures else None
-        if data is None or not is_loop(data.action):
-            cls.poll_message_set("Show a loop first")
-            return False
-        return True
+        return shows_loop(cls, context)
 
     def execute(self, context: Context) -> State:
         """Move the join."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from tests.chromium import Seen
+from tests.chromium import Seen, visits
 
 import roundelay as rl
 from roundelay import synth
@@ -43,24 +43,5 @@ def _saved(tmp_path_factory, text: str) -> Path:
 @pytest.fixture
 def visit(chromium) -> Iterator[Callable[..., Seen]]:
     """Open a file; at the end, it must have complained of nothing and asked for nothing."""
-    opened, contexts = [], []
-
-    def visit(path: Path, *, width: int = 1280, height: int = 800, **context) -> Seen:
-        made = chromium.new_context(viewport={"width": width, "height": height}, **context)
-        contexts.append(made)
-        seen = Seen(made.new_page())
-        opened.append(seen)
-        seen.page.on("console", lambda said: seen.complaints.append(said.text))
-        seen.page.on("pageerror", lambda error: seen.complaints.append(str(error)))
-        seen.page.on("request", lambda asked: seen.requests.append(asked.url))
-        seen.page.goto(path.as_uri())
-        seen.page.wait_for_selector("body[data-ready]", timeout=20_000)
-        return seen
-
-    yield visit
-    complaints = [text for seen in opened for text in seen.complaints]
-    asked = [url for seen in opened for url in seen.requests]
-    for context in contexts:
-        context.close()
-    assert complaints == []
-    assert [url for url in asked if not url.startswith(WITHIN)] == []
+    with visits(chromium, WITHIN) as visited:
+        yield lambda path, **how: visited(path.as_uri(), **how)
